@@ -1,0 +1,98 @@
+"""Compiled kernels: how every ``_kernels.py`` compiles, where the machine code is cached, what it cost.
+
+Numba's own cache notices a changed source file but not a changed callee in another module. Our cache
+directory is therefore keyed by a hash over all kernel sources: a change anywhere starts afresh.
+"""
+
+import hashlib
+import logging
+import os
+import tempfile
+import time
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numba
+import numba.core.config
+import numba.core.event
+import platformdirs
+
+logger = logging.getLogger(__name__)
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+_PACKAGE = Path(__file__).parent
+
+
+def kernel(function: F) -> F:
+    """Compile `function` on its first call, without the interpreter lock, and keep the machine code on disk.
+
+    Products and sums may be contracted to fused multiply-adds; nothing else of the arithmetic is
+    reordered, so that results do not depend on the number of threads.
+    """
+    before = numba.core.config.CACHE_DIR
+    numba.core.config.CACHE_DIR = cache_directory()
+    try:
+        compiled: F = numba.njit(nogil=True, cache=True, error_model="numpy", fastmath={"contract"})(function)
+    finally:
+        numba.core.config.CACHE_DIR = before
+    return compiled
+
+
+@cache
+def cache_directory() -> str:
+    """Where machine code is kept: NUMBA_CACHE_DIR, else beside the package, else the user's cache directory."""
+    name = f"kernels-{_sources_hash()}"
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    candidates = [Path(chosen)] if chosen else [_PACKAGE / "__pycache__", Path(platformdirs.user_cache_dir("subdfit"))]
+    for folder in candidates:
+        if _writable(folder / name):
+            return str(folder / name)
+    return tempfile.mkdtemp(prefix="subdfit-kernels-")
+
+
+def _sources_hash() -> str:
+    digest = hashlib.sha256()
+    for path in [Path(__file__), *sorted(_PACKAGE.rglob("*_kernels.py"))]:
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _writable(folder: Path) -> bool:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
+
+
+class CompileClock(numba.core.event.Listener):  # type: ignore[misc]
+    """Counts the seconds spent compiling, and tells the user once that it happens."""
+
+    def __init__(self) -> None:
+        self.seconds = 0.0
+        self._depth = 0
+        self._started = 0.0
+        self._told = False
+
+    def on_start(self, event: Any) -> None:
+        """Numba begins to compile a kernel (or, nested, one that it calls)."""
+        if self._depth == 0:
+            self._started = time.perf_counter()
+            if not self._told:
+                logger.info("compiling kernels for this machine (first run only; kept for the next)")
+                self._told = True
+        self._depth += 1
+
+    def on_end(self, event: Any) -> None:
+        """The kernel is compiled."""
+        self._depth -= 1
+        if self._depth == 0:
+            self.seconds += time.perf_counter() - self._started
+
+
+compile_clock = CompileClock()
+numba.core.event.register("numba:compile", compile_clock)
