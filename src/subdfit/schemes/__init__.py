@@ -1,1 +1,18 @@
-"""TBD."""
+"""Subdivision schemes by name: one file each behind the protocol of `subdfit.schemes.scheme`."""
+
+from subdfit.errors import InputError
+from subdfit.schemes.loop import Loop
+from subdfit.schemes.scheme import Refinement, Scheme
+
+SCHEMES: dict[str, Scheme] = {scheme.name: scheme for scheme in (Loop(),)}
+
+__all__ = ["SCHEMES", "Refinement", "Scheme", "scheme_named"]
+
+
+def scheme_named(name: str | Scheme) -> Scheme:
+    """Return the scheme of that name (a scheme is returned as it is); raises InputError for an unknown name."""
+    if not isinstance(name, str):
+        return name
+    if name not in SCHEMES:
+        raise InputError(f"unknown scheme '{name}'; choose one of {', '.join(SCHEMES)}")
+    return SCHEMES[name]

@@ -1,0 +1,1 @@
+"""subdfit: subdivision surfaces fitted to dense meshes, with a certified error."""

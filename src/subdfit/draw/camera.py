@@ -1,0 +1,107 @@
+"""The eye: where a picture looks from, and how points reach the paper."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from subdfit.errors import InputError
+
+_VIEWS = ((30.0, 18.0), (-30.0, 18.0), (60.0, 18.0), (30.0, 50.0))
+"""Azimuth and elevation in degrees, the preferred view first; the last one is for flat, lying models."""
+
+_ENOUGH = 0.7
+"""A view is good enough when it shows this share of the area that the best of the views shows."""
+
+_UP = {"y": np.eye(3), "z": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])}
+"""Rows: the model's right, up and front, for models that stand along y or along z."""
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A mild perspective view of a model.
+
+    Attributes
+    ----------
+    rotation : (3, 3) float64; rows point right, up and to the viewer.
+    centre : (3,) float64, the point looked at, in the model's unit.
+    distance : distance from the eye to `centre`, in the model's unit.
+    window : (left, right, bottom, top) of the picture in the plane through `centre`.
+    """
+
+    rotation: NDArray[np.float64]
+    centre: NDArray[np.float64]
+    distance: float
+    window: tuple[float, float, float, float]
+
+    def project(self, points: NDArray[np.floating]) -> NDArray[np.float32]:
+        """Return (n, 3): right and up on the picture, and the height over the picture plane (larger is nearer)."""
+        seen = (np.asarray(points, np.float64) - self.centre) @ self.rotation.T
+        seen[:, :2] *= (self.distance / (self.distance - seen[:, 2]))[:, None]
+        return seen.astype(np.float32)
+
+    @property
+    def aspect(self) -> float:
+        """Width of the window over its height."""
+        left, right, bottom, top = self.window
+        return (right - left) / (top - bottom)
+
+
+def camera_for(
+    vertices: ArrayLike,
+    triangles: ArrayLike,
+    *,
+    azimuth: float | None = None,
+    elevation: float | None = None,
+    up: str = "y",
+    margin: float = 0.03,
+) -> Camera:
+    """Return a camera that frames a mesh tightly, from a three-quarter view unless told otherwise.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array; vertices that no triangle uses do not count.
+    triangles : (m, 3) array of rows of `vertices`.
+    azimuth, elevation
+        Degrees to the right of the model's front (+z when `up` is y, -y when it is z), and above its horizon.
+        ``None`` takes the first usual view that shows enough of the model's area.
+    up
+        The axis along which the model stands: ``"y"`` (most scans) or ``"z"`` (most CAD).
+    margin
+        Free border as a share of the picture's larger side.
+
+    Raises
+    ------
+    InputError
+        When the mesh has no triangle, or `up` is not an axis known.
+    """
+    if up not in _UP:
+        raise InputError(f"up axis {up!r} is not known: use 'y' or 'z'")
+    corners = np.asarray(vertices, np.float64)[np.asarray(triangles)]
+    if len(corners) == 0:
+        raise InputError("a mesh without triangles cannot be drawn: give at least one triangle")
+    rotation = _usual_view(corners, up) if azimuth is None or elevation is None else _view(azimuth, elevation, up)
+    points = corners.reshape(-1, 3)
+    low, high = points.min(axis=0), points.max(axis=0)
+    centre = 0.5 * (low + high)
+    distance = 3.0 * max(float(np.linalg.norm(high - low)), np.finfo(np.float32).tiny)
+    camera = Camera(rotation, centre, distance, (-1.0, 1.0, -1.0, 1.0))
+    seen = camera.project(points)[:, :2].astype(np.float64)
+    (left, bottom), (right, top) = seen.min(axis=0), seen.max(axis=0)
+    border = max(margin * max(right - left, top - bottom), 1e-6 * distance)
+    return Camera(rotation, centre, distance, (left - border, right + border, bottom - border, top + border))
+
+
+def _view(azimuth: float, elevation: float, up: str) -> NDArray[np.float64]:
+    a, e = np.radians([azimuth, elevation])
+    right = [np.cos(a), 0.0, -np.sin(a)]
+    above = [-np.sin(e) * np.sin(a), np.cos(e), -np.sin(e) * np.cos(a)]
+    viewer = [np.cos(e) * np.sin(a), np.sin(e), np.cos(e) * np.cos(a)]
+    return np.array([right, above, viewer]) @ _UP[up]
+
+
+def _usual_view(corners: NDArray[np.float64], up: str) -> NDArray[np.float64]:
+    areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    rotations = [_view(*view, up) for view in _VIEWS]
+    shown = np.array([np.abs(areas @ rotation[2]).sum() for rotation in rotations])
+    return rotations[int(np.argmax(shown >= _ENOUGH * shown.max()))]

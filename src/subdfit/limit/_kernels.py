@@ -1,0 +1,238 @@
+"""Polynomial patches: find the one under a parameter, gather its coefficients, evaluate them."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from subdfit.compiled import kernel
+
+SLOTS = 10
+"""Coefficient sets kept while the cell does not change: the sub-patches of three levels, and one for all deeper."""
+
+
+class Patches(NamedTuple):
+    """The arrays of a patch table (see `subdfit.schemes.patch_table`) and the positions of its points, (points, 3)."""
+
+    cell_patch: np.ndarray
+    cell_split: np.ndarray
+    patch_type: np.ndarray
+    patch_corner: np.ndarray
+    patch_offset: np.ndarray
+    patch_points: np.ndarray
+    type_size: np.ndarray
+    type_levels: np.ndarray
+    type_offset: np.ndarray
+    matrices: np.ndarray
+    positions: np.ndarray
+
+
+@kernel
+def locate(patches, cell, u, v):  # type: ignore[no-untyped-def]
+    """Find the polynomial under (u, v) of a triangular cell.
+
+    Returns
+    -------
+    patch : row of the patch.
+    block : which matrix of its type.
+    x, y : the polynomial's own parameters.
+    xu, xv, yu, yv : derivatives of x, y by u, v. At an irregular corner itself, where the scheme's own derivatives vanish
+        or diverge, the polynomial holds limit tangents instead, scaled as at a regular corner.
+    """
+    patch = patches.cell_patch[cell]
+    scale = 1.0
+    if patches.cell_split[cell]:
+        if u + v <= 0.5:
+            scale, u, v = 2.0, 2 * u, 2 * v
+        elif u >= 0.5:
+            patch, scale, u, v = patch + 1, 2.0, 2 * u - 1, 2 * v
+        elif v >= 0.5:
+            patch, scale, u, v = patch + 2, 2.0, 2 * u, 2 * v - 1
+        else:
+            patch, scale, u, v = patch + 3, -2.0, 1 - 2 * u, 1 - 2 * v
+    corner = patches.patch_corner[patch]
+    if corner == 0:
+        x, y, xu, xv, yu, yv = u, v, scale, 0.0, 0.0, scale
+    elif corner == 1:
+        x, y, xu, xv, yu, yv = v, 1 - u - v, 0.0, scale, -scale, -scale
+    else:
+        x, y, xu, xv, yu, yv = 1 - u - v, u, -scale, -scale, scale, 0.0
+    levels = patches.type_levels[patches.patch_type[patch]]
+    if levels == 0:
+        return patch, 0, x, y, xu, xv, yu, yv
+    level = levels + 1
+    if x + y > 0.0:
+        level = max(1, 1 - math.frexp(x + y)[1])
+    if level > levels:
+        return patch, 3 * levels, 0.0, 0.0, xu, xv, yu, yv
+    finer = math.ldexp(1.0, level)
+    x, y = x * finer, y * finer
+    block = 3 * (level - 1)
+    if x >= 1.0:
+        x -= 1
+    elif y >= 1.0:
+        block, y = block + 1, y - 1
+    else:
+        block, x, y, finer = block + 2, 1 - x, 1 - y, -finer
+    return patch, block, x, y, xu * finer, xv * finer, yu * finer, yv * finer
+
+
+@kernel
+def gather(patches, patch, block, out):  # type: ignore[no-untyped-def]
+    """Write a polynomial's coefficients, 16 for each coordinate, into `out` (48,)."""
+    kind = patches.patch_type[patch]
+    size = patches.type_size[kind]
+    begin = patches.type_offset[kind] + 16 * block * size
+    first = patches.patch_offset[patch]
+    # Four rows at a time: twelve sums stay in registers.
+    for row in range(0, 16, 4):
+        x0 = x1 = x2 = x3 = 0.0
+        y0 = y1 = y2 = y3 = 0.0
+        z0 = z1 = z2 = z3 = 0.0
+        at = begin + row
+        for k in range(size):
+            q = patches.patch_points[first + k]
+            x, y, z = patches.positions[q, 0], patches.positions[q, 1], patches.positions[q, 2]
+            m0, m1, m2, m3 = (
+                patches.matrices[at],
+                patches.matrices[at + 1],
+                patches.matrices[at + 2],
+                patches.matrices[at + 3],
+            )
+            x0, x1, x2, x3 = x0 + m0 * x, x1 + m1 * x, x2 + m2 * x, x3 + m3 * x
+            y0, y1, y2, y3 = y0 + m0 * y, y1 + m1 * y, y2 + m2 * y, y3 + m3 * y
+            z0, z1, z2, z3 = z0 + m0 * z, z1 + m1 * z, z2 + m2 * z, z3 + m3 * z
+            at += 16
+        out[row], out[row + 1], out[row + 2], out[row + 3] = x0, x1, x2, x3
+        out[row + 16], out[row + 17], out[row + 18], out[row + 19] = y0, y1, y2, y3
+        out[row + 32], out[row + 33], out[row + 34], out[row + 35] = z0, z1, z2, z3
+
+
+@kernel
+def first_order(c, x, y):  # type: ignore[no-untyped-def]
+    """Value and first derivatives of a quartic with coefficients `c` (16,) of x^i y^j, i then j."""
+    p0 = c[0] + y * (c[1] + y * (c[2] + y * (c[3] + y * c[4])))
+    p1 = c[5] + y * (c[6] + y * (c[7] + y * c[8]))
+    p2 = c[9] + y * (c[10] + y * c[11])
+    p3 = c[12] + y * c[13]
+    q0 = c[1] + y * (2 * c[2] + y * (3 * c[3] + y * (4 * c[4])))
+    q1 = c[6] + y * (2 * c[7] + y * (3 * c[8]))
+    q2 = c[10] + y * (2 * c[11])
+    value = p0 + x * (p1 + x * (p2 + x * (p3 + x * c[14])))
+    by_x = p1 + x * (2 * p2 + x * (3 * p3 + x * (4 * c[14])))
+    by_y = q0 + x * (q1 + x * (q2 + x * c[13]))
+    return value, by_x, by_y
+
+
+@kernel
+def second_order(c, x, y):  # type: ignore[no-untyped-def]
+    """Second derivatives by xx, xy, yy of the quartic of `first_order`."""
+    p2 = c[9] + y * (c[10] + y * c[11])
+    p3 = c[12] + y * c[13]
+    q1 = c[6] + y * (2 * c[7] + y * (3 * c[8]))
+    q2 = c[10] + y * (2 * c[11])
+    r0 = 2 * c[2] + y * (6 * c[3] + y * (12 * c[4]))
+    r1 = 2 * c[7] + y * (6 * c[8])
+    by_xx = 2 * p2 + x * (6 * p3 + x * (12 * c[14]))
+    by_xy = q1 + x * (2 * q2 + x * (3 * c[13]))
+    by_yy = r0 + x * (r1 + x * (2 * c[11]))
+    return by_xx, by_xy, by_yy
+
+
+@kernel
+def coefficients(patches, patch, block, cache, tags):  # type: ignore[no-untyped-def]
+    """Return the polynomial's coefficients (48,), gathered anew only if `cache` (SLOTS, 48) does not hold them."""
+    slot = min(block, SLOTS - 1)
+    tag = np.int64(patch) << 16 | block
+    if tags[slot] != tag:
+        gather(patches, patch, block, cache[slot])
+        tags[slot] = tag
+    return cache[slot]
+
+
+@kernel
+def evaluate(patches, cell, uv, order, start, stop, derivatives, position, first, second):  # type: ignore[no-untyped-def]
+    """Evaluate points ``order[start:stop]``; results go to their own rows.
+
+    `position` (k, 3), `first` (k, 2, 3), `second` (k, 3, 3) by uu, uv, vv; those beyond `derivatives` are not touched.
+    """
+    cache = np.empty((SLOTS, 48))
+    tags = np.full(SLOTS, -1, np.int64)
+    for n in range(start, stop):
+        k = order[n]
+        patch, block, x, y, xu, xv, yu, yv = locate(patches, cell[k], uv[k, 0], uv[k, 1])
+        c = coefficients(patches, patch, block, cache, tags)
+        for d in range(3):
+            own = c[16 * d : 16 * d + 16]
+            value, by_x, by_y = first_order(own, x, y)
+            position[k, d] = value
+            if derivatives > 0:
+                first[k, 0, d] = xu * by_x + yu * by_y
+                first[k, 1, d] = xv * by_x + yv * by_y
+            if derivatives > 1:
+                by_xx, by_xy, by_yy = second_order(own, x, y)
+                second[k, 0, d] = xu * xu * by_xx + 2 * xu * yu * by_xy + yu * yu * by_yy
+                second[k, 1, d] = xu * xv * by_xx + (xu * yv + xv * yu) * by_xy + yu * yv * by_yy
+                second[k, 2, d] = xv * xv * by_xx + 2 * xv * yv * by_xy + yv * yv * by_yy
+
+
+@kernel
+def order_by_cell(cell, cells):  # type: ignore[no-untyped-def]
+    """Stable order of points by cell, by counting."""
+    start = np.zeros(cells + 1, np.int64)
+    for k in range(len(cell)):
+        start[cell[k] + 1] += 1
+    for c in range(cells):
+        start[c + 1] += start[c]
+    order = np.empty(len(cell), np.int64)
+    for k in range(len(cell)):
+        order[start[cell[k]]] = k
+        start[cell[k]] += 1
+    return order
+
+
+@kernel
+def row_sizes(patches, cell, uv):  # type: ignore[no-untyped-def]
+    """Row offsets of the sparse weights: how many patch points each point depends on, summed."""
+    offsets = np.zeros(len(cell) + 1, np.int64)
+    for k in range(len(cell)):
+        patch = locate(patches, cell[k], uv[k, 0], uv[k, 1])[0]
+        offsets[k + 1] = offsets[k] + patches.type_size[patches.patch_type[patch]]
+    return offsets
+
+
+@kernel
+def weights(patches, cell, uv, offsets, start, stop, derivative, columns, values):  # type: ignore[no-untyped-def]
+    """Write the sparse rows of points ``start`` to ``stop``: weights of patch points.
+
+    `derivative` is 0 for the position, 1 for the derivative by u, 2 by v.
+    """
+    powers_x = np.ones(5)
+    powers_y = np.ones(5)
+    monomial = np.zeros(16)
+    for k in range(start, stop):
+        patch, block, x, y, xu, xv, yu, yv = locate(patches, cell[k], uv[k, 0], uv[k, 1])
+        for i in range(1, 5):
+            powers_x[i] = powers_x[i - 1] * x
+            powers_y[i] = powers_y[i - 1] * y
+        at = 0
+        for i in range(5):
+            for j in range(5 - i):
+                by_x = i * powers_x[max(i - 1, 0)] * powers_y[j]
+                by_y = j * powers_x[i] * powers_y[max(j - 1, 0)]
+                if derivative == 0:
+                    monomial[at] = powers_x[i] * powers_y[j]
+                elif derivative == 1:
+                    monomial[at] = xu * by_x + yu * by_y
+                else:
+                    monomial[at] = xv * by_x + yv * by_y
+                at += 1
+        kind = patches.patch_type[patch]
+        size = patches.type_size[kind]
+        begin = patches.type_offset[kind] + 16 * block * size
+        for p in range(size):
+            total = 0.0
+            for r in range(15):
+                total += patches.matrices[begin + 16 * p + r] * monomial[r]
+            columns[offsets[k] + p] = patches.patch_points[patches.patch_offset[patch] + p]
+            values[offsets[k] + p] = total

@@ -1,0 +1,217 @@
+"""The limit surface of a control mesh under a scheme: linear in the control points, exact everywhere."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import ArrayLike, NDArray
+
+from subdfit.errors import InputError
+from subdfit.limit import _kernels as kernels
+from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.mesh.topology import Topology
+from subdfit.parallel import map_chunks
+from subdfit.schemes import Scheme, scheme_named
+from subdfit.schemes.domain import Domain
+from subdfit.schemes.patch_table import PatchTable
+
+Floats = NDArray[np.float64]
+
+CHUNK = 16384
+
+
+class Evaluation(NamedTuple):
+    """What `LimitSurface.evaluate` gives; derivatives that were not asked for are None.
+
+    Attributes
+    ----------
+    position : (k, 3), in the control points' unit.
+    first : (k, 2, 3), derivatives by u and v.
+    second : (k, 3, 3), derivatives by uu, uv and vv.
+    """
+
+    position: Floats
+    first: Floats | None
+    second: Floats | None
+
+
+@dataclass(frozen=True, eq=False)
+class CompiledTopology:
+    """What a scheme makes of a topology, shared by all surfaces over it."""
+
+    scheme: Scheme
+    topology: Topology
+    domain: Domain
+    table: PatchTable
+
+    @classmethod
+    def of(cls, scheme: Scheme, topology: Topology) -> "CompiledTopology":
+        """Compile; raises InputError where the scheme cannot take the topology."""
+        scheme.validate(topology)
+        return cls(scheme, topology, scheme.domain(topology), scheme.patches(topology))
+
+    @cached_property
+    def local_matrix(self) -> sp.csr_array:
+        """Local patch points from control points."""
+        return self.table.local_matrix
+
+
+class LimitSurface:
+    """The limit surface of a control mesh.
+
+    Parameters
+    ----------
+    control_mesh
+        Its control points and connectivity.
+    scheme
+        A scheme or its name; None takes the mesh's own, else Loop.
+
+    Raises
+    ------
+    InputError
+        The scheme cannot take this connectivity.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> octahedron = ControlMesh.from_triangles(
+    ...     np.vstack([np.eye(3), -np.eye(3)]),
+    ...     [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]],
+    ... )
+    >>> surface = LimitSurface(octahedron, "loop")
+    >>> surface.evaluate([0], [[1 / 3, 1 / 3]]).position.round(4)
+    array([[0.3106, 0.3106, 0.3106]])
+    """
+
+    def __init__(self, control_mesh: ControlMesh, scheme: str | Scheme | None = None) -> None:
+        chosen = scheme_named(scheme or control_mesh.scheme or "loop")
+        self._set(CompiledTopology.of(chosen, control_mesh.topology), control_mesh)
+
+    def _set(self, compiled: CompiledTopology, control_mesh: ControlMesh) -> None:
+        self.compiled = compiled
+        self.control_mesh = control_mesh
+
+    @property
+    def scheme(self) -> Scheme:
+        """The subdivision scheme."""
+        return self.compiled.scheme
+
+    @property
+    def domain(self) -> Domain:
+        """The parametric faces."""
+        return self.compiled.domain
+
+    @property
+    def topology(self) -> Topology:
+        """The control mesh's connectivity."""
+        return self.control_mesh.topology
+
+    def with_points(self, points: ArrayLike) -> "LimitSurface":
+        """Return the surface of the same connectivity with other control points, without compiling it again."""
+        other = object.__new__(type(self))
+        other._set(self.compiled, self.control_mesh.with_points(points))
+        return other
+
+    @cached_property
+    def patches(self) -> kernels.Patches:
+        """The arrays that kernels take."""
+        t, control = self.compiled.table, self.control_mesh.points
+        positions = np.concatenate([control, self.compiled.local_matrix @ control])
+        return kernels.Patches(
+            t.cell_patch,
+            t.cell_split,
+            t.patch_type,
+            t.patch_corner,
+            t.patch_offset,
+            t.patch_points,
+            t.type_size,
+            t.type_levels,
+            t.type_offset,
+            t.matrices,
+            positions,
+        )
+
+    def evaluate(self, face: ArrayLike, uv: ArrayLike, derivatives: int = 0) -> Evaluation:
+        """Evaluate the surface exactly.
+
+        Parameters
+        ----------
+        face
+            (k,) parametric faces (for Loop, the control mesh's faces).
+        uv
+            (k, 2) parameters; a triangle's corners are at (0, 0), (1, 0), (0, 1).
+        derivatives
+            0, 1 or 2.
+
+        Returns
+        -------
+        Evaluation
+            At an irregular corner itself the scheme's derivatives by u and v vanish or diverge: there `first` holds limit
+            tangents along the two edges, which span the tangent plane, and `second` is zero. Towards irregular corners
+            of other valence than three, second derivatives diverge.
+
+        Raises
+        ------
+        InputError
+            A face that does not exist, or parameters outside the face by more than rounding.
+        """
+        cell, parameter = self._checked(face, uv)
+        order = kernels.order_by_cell(cell, self.domain.face_count)
+        position = np.empty((len(cell), 3))
+        first = np.empty((len(cell) if derivatives > 0 else 0, 2, 3))
+        second = np.empty((len(cell) if derivatives > 1 else 0, 3, 3))
+
+        def job(start: int, stop: int) -> None:
+            kernels.evaluate(self.patches, cell, parameter, order, start, stop, derivatives, position, first, second)
+
+        map_chunks(job, len(cell), CHUNK)
+        return Evaluation(position, first if derivatives > 0 else None, second if derivatives > 1 else None)
+
+    def weights(self, face: ArrayLike, uv: ArrayLike, derivative: int = 0) -> sp.csr_array:
+        """Rows W with ``S(face, uv) = W @ control points``, (k, n) sparse.
+
+        Parameters
+        ----------
+        face, uv
+            As in `evaluate`.
+        derivative
+            0 for the position, 1 for the derivative by u, 2 for that by v.
+        """
+        cell, parameter = self._checked(face, uv)
+        table = self.compiled.table
+        offsets = kernels.row_sizes(self.patches, cell, parameter)
+        columns = np.empty(offsets[-1], np.int32)
+        values = np.empty(offsets[-1])
+
+        def job(start: int, stop: int) -> None:
+            kernels.weights(self.patches, cell, parameter, offsets, start, stop, derivative, columns, values)
+
+        map_chunks(job, len(cell), CHUNK)
+        points = table.point_matrix.shape[0]
+        return sp.csr_array(sp.csr_array((values, columns, offsets), shape=(len(cell), points)) @ table.point_matrix)
+
+    def normals(self, face: ArrayLike, uv: ArrayLike) -> Floats:
+        """Unit normals, (k, 3); zero where the surface has no tangent plane."""
+        first = self.evaluate(face, uv, 1).first
+        assert first is not None
+        normal = np.cross(first[:, 0], first[:, 1])
+        length = np.linalg.norm(normal, axis=1, keepdims=True)
+        return np.divide(normal, length, out=np.zeros_like(normal), where=length > 0)
+
+    def vertex_limits(self) -> Floats:
+        """Limit points of the control vertices, (n, 3)."""
+        return np.asarray(self.scheme.limit_rows(self.topology) @ self.control_mesh.points)
+
+    def _checked(self, face: ArrayLike, uv: ArrayLike) -> tuple[NDArray[np.int32], Floats]:
+        cell = np.ascontiguousarray(np.atleast_1d(face), np.int32)
+        parameter = np.ascontiguousarray(np.asarray(uv, np.float64).reshape(-1, 2))
+        if len(cell) != len(parameter):
+            raise InputError(f"{len(cell)} faces but {len(parameter)} parameter pairs; give one pair a face")
+        if len(cell) and (cell.min() < 0 or cell.max() >= self.domain.face_count):
+            raise InputError(f"face outside 0..{self.domain.face_count - 1}")
+        outside = np.maximum(-parameter.min(axis=1, initial=0), parameter.sum(axis=1) - 1)
+        if not np.all(outside <= 1e-9):
+            raise InputError(f"parameters {parameter[np.argmax(~(outside <= 1e-9))]} lie outside the triangle")
+        return cell, parameter

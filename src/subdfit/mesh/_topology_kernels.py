@@ -1,0 +1,98 @@
+"""Connectivity kernels over arrays."""
+
+import numpy as np
+
+from subdfit.compiled import kernel
+
+
+@kernel
+def pair_half_edges(face_offsets, face_vertices, vertex_count):  # type: ignore[no-untyped-def]
+    """Match opposite half-edges in time linear in the faces.
+
+    Half-edges are bucketed by their lower vertex; each bucket, a handful long, is searched directly.
+
+    Returns
+    -------
+    following, face, twin, edge : int32 (h,); `twin` is -1 on the boundary.
+    edge_count : int
+    bad : a half-edge whose edge has a third face or a second face of the same orientation; -1 if none.
+    """
+    count = len(face_vertices)
+    following = np.empty(count, np.int32)
+    face = np.empty(count, np.int32)
+    for f in range(len(face_offsets) - 1):
+        first, last = face_offsets[f], face_offsets[f + 1] - 1
+        for h in range(first, last + 1):
+            following[h] = h + 1
+            face[h] = f
+        following[last] = first
+
+    start = np.zeros(vertex_count + 2, np.int32)
+    for h in range(count):
+        start[min(face_vertices[h], face_vertices[following[h]]) + 2] += 1
+    for v in range(vertex_count):
+        start[v + 2] += start[v + 1]
+    bucket = np.empty(count, np.int32)
+    for h in range(count):
+        low = min(face_vertices[h], face_vertices[following[h]])
+        bucket[start[low + 1]] = h
+        start[low + 1] += 1
+
+    twin = np.full(count, -1, np.int32)
+    edge = np.full(count, -1, np.int32)
+    edge_count = 0
+    for h in range(count):
+        origin, target = face_vertices[h], face_vertices[following[h]]
+        low = min(origin, target)
+        if origin == target:
+            return following, face, twin, edge, 0, h
+        for slot in range(start[low], start[low + 1]):
+            other = bucket[slot]
+            if other == h:
+                continue
+            if face_vertices[other] == origin and face_vertices[following[other]] == target:
+                return following, face, twin, edge, 0, h
+            if face_vertices[other] == target and face_vertices[following[other]] == origin:
+                if twin[h] >= 0 and twin[h] != other:
+                    return following, face, twin, edge, 0, h
+                twin[h] = other
+        if twin[h] >= 0 and twin[h] < h:
+            edge[h] = edge[twin[h]]
+        else:
+            edge[h] = edge_count
+            edge_count += 1
+    return following, face, twin, edge, edge_count, -1
+
+
+@kernel
+def outgoing_half_edges(face_offsets, face_vertices, face, following, twin, vertex_count):  # type: ignore[no-untyped-def]
+    """Give each vertex one outgoing half-edge: on the boundary the one without a twin, else the lowest.
+
+    Returns
+    -------
+    outgoing : int32 (n,), -1 for an isolated vertex.
+    valence : int32 (n,), number of faces round the vertex.
+    bad : a vertex whose faces form more than one fan; -1 if none.
+    """
+    outgoing = np.full(vertex_count, -1, np.int32)
+    valence = np.zeros(vertex_count, np.int32)
+    for h in range(len(face_vertices)):
+        v = face_vertices[h]
+        valence[v] += 1
+        if outgoing[v] < 0 or (twin[h] < 0 and twin[outgoing[v]] >= 0):
+            outgoing[v] = h
+    for v in range(vertex_count):
+        h = outgoing[v]
+        if h < 0:
+            continue
+        fan = 0
+        while True:
+            fan += 1
+            f = face[h]
+            before = face_offsets[f + 1] - 1 if h == face_offsets[f] else h - 1
+            h = twin[before]
+            if h < 0 or h == outgoing[v] or fan > valence[v]:
+                break
+        if fan != valence[v]:
+            return outgoing, valence, v
+    return outgoing, valence, -1

@@ -1,0 +1,245 @@
+"""Exact evaluation of Loop patches: the matrices from a patch's points to polynomial coefficients.
+
+A patch with one irregular corner V is subdivided towards V: three of its four children are regular, the fourth is a
+patch of the same type (Stam 1998). Here the step is written once for every kind of corner, interior, crease, boundary,
+dart or pinned; only V's own rule and the sharp edges of its ring differ.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subdfit.schemes.patch_table import LEVELS
+
+Matrix = NDArray[np.float64]
+
+STRIDE = 16
+"""Coefficients stored a point: 15 monomials u^i v^j, i + j <= 4, ordered by i then j, and one zero."""
+
+
+@dataclass(frozen=True)
+class CornerType:
+    """What distinguishes irregular corners.
+
+    `faces` round the vertex in its sector, `position` of the patch's face in it, `closed` when the sector goes all the
+    way round, `dart` when one sharp edge (ring index 0) ends there, `pinned` for a corner vertex.
+    """
+
+    faces: int
+    position: int
+    closed: bool
+    dart: bool
+    pinned: bool
+
+    @property
+    def ring(self) -> int:
+        """Neighbours of V in the sector."""
+        return self.faces if self.closed else self.faces + 1
+
+    @property
+    def size(self) -> int:
+        """Points of a patch."""
+        return self.ring + 6
+
+    def sharp(self, j: int) -> bool:
+        """Whether the edge to ring vertex `j` is sharp."""
+        if self.closed:
+            return self.dart and j == 0
+        return j in (0, self.faces)
+
+
+REGULAR = CornerType(6, 0, True, False, False)
+
+
+def monomials() -> list[tuple[int, int]]:
+    """Exponents (i, j) of u^i v^j in the order of the coefficients."""
+    return [(i, j) for i in range(5) for j in range(5 - i)]
+
+
+@cache
+def box_spline() -> Matrix:
+    """The twelve quartic box-spline polynomials (Stam 1998, appendix A) as coefficients, (16, 12).
+
+    Columns follow a patch's points for valence six: V, its ring from a, then o, a1, a2, b1, b2.
+    """
+    a, b, c = _polynomial({(0, 0): 1, (1, 0): -1, (0, 1): -1}), _polynomial({(1, 0): 1}), _polynomial({(0, 1): 1})
+    near = [(6, 4, 0, 0), (24, 3, 0, 1), (24, 2, 0, 2), (8, 1, 0, 3), (1, 0, 0, 4), (24, 3, 1, 0), (60, 2, 1, 1)]
+    near += [(36, 1, 1, 2), (6, 0, 1, 3), (24, 2, 2, 0), (36, 1, 2, 1), (12, 0, 2, 2), (8, 1, 3, 0), (6, 0, 3, 1)]
+    near += [(1, 0, 4, 0)]
+    across = [(1, 4, 0, 0), (2, 3, 0, 1), (6, 3, 1, 0), (6, 2, 1, 1), (12, 2, 2, 0), (6, 1, 2, 1), (6, 1, 3, 0)]
+    across += [(2, 0, 3, 1), (1, 0, 4, 0)]
+    far = [(1, 4, 0, 0), (2, 3, 1, 0)]
+    columns = [
+        _terms(near, a, b, c),
+        _terms(near, b, c, a),
+        _terms(near, c, a, b),
+        _terms(across, c, a, b),
+        _terms(far, a, c, b),
+        _terms(far, a, b, c),
+        _terms(across, a, b, c),
+        _terms(across, b, c, a),
+        _terms(far, b, c, a),
+        _terms(far, b, a, c),
+        _terms(far, c, b, a),
+        _terms(far, c, a, b),
+    ]
+    rows = np.zeros((STRIDE, 12))
+    for row, (i, j) in enumerate(monomials()):
+        rows[row] = [column[i, j] / 12 for column in columns]
+    return rows
+
+
+def _polynomial(terms: dict[tuple[int, int], float]) -> Matrix:
+    table = np.zeros((5, 5))
+    for (i, j), value in terms.items():
+        table[i, j] = value
+    return table
+
+
+def _product(p: Matrix, q: Matrix) -> Matrix:
+    out = np.zeros((5, 5))
+    for i, j in zip(*np.nonzero(p), strict=True):
+        out[i:, j:] += p[i, j] * q[: 5 - i, : 5 - j]
+    return out
+
+
+def _terms(terms: list[tuple[int, int, int, int]], a: Matrix, b: Matrix, c: Matrix) -> Matrix:
+    total = np.zeros((5, 5))
+    for factor, *powers in terms:
+        term = _polynomial({(0, 0): factor})
+        for base, power in zip((a, b, c), powers, strict=True):
+            for _ in range(power):
+                term = _product(term, base)
+        total += term
+    return total
+
+
+def vertex_alpha(valence: int) -> float:
+    """Weight of a smooth vertex itself in its new position (Loop 1987; Nishiyama et al. 2008, section 4)."""
+    return (3 / 8 + np.cos(2 * np.pi / valence) / 4) ** 2 + 3 / 8
+
+
+def subdivide(kind: CornerType) -> tuple[Matrix, list[Matrix]]:
+    """One step towards the corner.
+
+    Returns
+    -------
+    smaller : (n, n), the points of the child at V, a patch of the same type.
+    regular : three (12, n), the points of the regular children beside a, beside b, and between.
+    """
+    n, ring = kind.size, kind.ring
+    x = np.eye(n)
+    v, r = x[0], x[1 : ring + 1]
+    o, a1, a2, b1, b2 = x[ring + 1 :]
+    i, j = kind.position, (kind.position + 1) % ring
+    a, b = r[i], r[j]
+    # Beyond a sharp edge stands the mirror of the face itself.
+    left = v + a - b if kind.sharp(i) else r[i - 1]
+    right = v + b - a if kind.sharp(j) else r[(j + 1) % ring]
+
+    new_v = vertex_rule(kind) @ x[: ring + 1]
+    edges = np.array([_ring_edge(kind, v, r, k) for k in range(ring)])
+    new_a = 5 / 8 * a + (v + left + a2 + a1 + o + b) / 16
+    new_b = 5 / 8 * b + (v + a + o + b1 + b2 + right) / 16
+    middle = _edge(a, b, v, o)
+    p1, p2, p3, p4 = _edge(a, left, v, a2), _edge(a, a2, left, a1), _edge(a, a1, a2, o), _edge(a, o, a1, b)
+    q1, q2, q3, q4 = _edge(b, right, v, b2), _edge(b, b2, right, b1), _edge(b, b1, b2, o), _edge(b, o, b1, a)
+    edge_a, edge_b = edges[i], edges[j]
+    beside_a = new_v + edge_a - edge_b if kind.sharp(i) else edges[i - 1]
+    beside_b = new_v + edge_b - edge_a if kind.sharp(j) else edges[(j + 1) % ring]
+
+    smaller = np.array([new_v, *edges, middle, new_a, p1, new_b, q1])
+    at_a = [edge_a, new_a, middle, edge_b, new_v, beside_a, p1, p4, p3, p2, q4, new_b]
+    at_b = [edge_b, middle, new_b, q1, beside_b, new_v, edge_a, q4, p4, new_a, q3, q2]
+    between = [middle, edge_b, edge_a, new_a, p4, q4, new_b, new_v, beside_b, q1, beside_a, p1]
+    return smaller, [np.array(at_a), np.array(at_b), np.array(between)]
+
+
+def vertex_rule(kind: CornerType) -> Matrix:
+    """Weights of V and its ring for V's new position, (ring + 1,)."""
+    rule = np.zeros(kind.ring + 1)
+    if kind.pinned:
+        rule[0] = 1.0
+    elif kind.closed:
+        rule[0] = vertex_alpha(kind.faces)
+        rule[1:] = (1 - rule[0]) / kind.faces
+    else:
+        rule[[0, 1, -1]] = 6 / 8, 1 / 8, 1 / 8
+    return rule
+
+
+def _edge(start: Matrix, end: Matrix, left: Matrix, right: Matrix) -> Matrix:
+    return 3 / 8 * (start + end) + (left + right) / 8
+
+
+def _ring_edge(kind: CornerType, v: Matrix, r: Matrix, k: int) -> Matrix:
+    if kind.sharp(k):
+        return (v + r[k]) / 2
+    return _edge(v, r[k], r[k - 1], r[(k + 1) % kind.ring])
+
+
+@cache
+def limit_mask(kind: CornerType) -> Matrix:
+    """Weights of V and its ring for V's limit point: the left eigenvector of eigenvalue one, (ring + 1,)."""
+    ring = kind.ring + 1
+    step = subdivide(kind)[0][:ring, :ring]
+    system = np.vstack([step.T - np.eye(ring), np.ones(ring)])
+    mask: Matrix = np.linalg.lstsq(system, np.r_[np.zeros(ring), 1.0], rcond=None)[0]
+    return mask
+
+
+def tangent_masks(kind: CornerType) -> Matrix:
+    """Weights of V and its ring for two limit tangents, along the edges to a and to b, (2, ring + 1).
+
+    They are what is left of the edges after projection onto the two subdominant eigenvectors of the subdivision matrix;
+    at a regular corner they equal the derivatives by u and v.
+    """
+    ring = kind.ring + 1
+    deflated = subdivide(kind)[0][:ring, :ring] - limit_mask(kind)
+    right = _subdominant(deflated)
+    left = _subdominant(deflated.T)
+    rows = [1 + kind.position, 1 + (kind.position + 1) % kind.ring]
+    masks: Matrix = (right[rows] - right[0]) @ np.linalg.solve(left.T @ right, left.T)
+    return masks
+
+
+def _subdominant(matrix: Matrix) -> Matrix:
+    values, vectors = np.linalg.eig(matrix)
+    order = np.argsort(-np.abs(values), kind="stable")[:2]
+    return np.ascontiguousarray(vectors[:, order].real)
+
+
+@cache
+def regular_matrix() -> Matrix:
+    """The regular type's matrix, point by point, (12 * STRIDE,)."""
+    return np.ascontiguousarray(box_spline().T).ravel()
+
+
+@cache
+def irregular_matrices(kind: CornerType) -> Matrix:
+    """All matrices of an irregular type, in the order that `PatchTable.matrices` documents."""
+    smaller, regular = subdivide(kind)
+    mask = np.zeros(kind.size)
+    mask[: kind.ring + 1] = limit_mask(kind)
+    polynomials = [box_spline() @ child for child in regular]
+    # Powers of the deflated matrix keep the digits of coefficients that shrink level by level.
+    power, deflated = np.eye(kind.size), smaller - mask
+    blocks = []
+    for level in range(LEVELS):
+        for polynomial in polynomials:
+            if level == 0:
+                block = polynomial.copy()
+            else:
+                block = polynomial @ power
+                block[0] += mask
+            blocks.append(block.T.ravel())
+        power = deflated @ power
+    corner = np.zeros((STRIDE, kind.size))
+    corner[0] = mask
+    tangents = tangent_masks(kind)
+    corner[monomials().index((1, 0)), : kind.ring + 1] = tangents[0]
+    corner[monomials().index((0, 1)), : kind.ring + 1] = tangents[1]
+    blocks.append(corner.T.ravel())
+    return np.concatenate(blocks)

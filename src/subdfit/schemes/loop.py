@@ -1,0 +1,328 @@
+"""Loop subdivision of triangle meshes, with boundaries, creases, darts and corners (Loop 1987; Hoppe et al. 1994)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from subdfit.errors import InputError
+from subdfit.mesh.topology import Topology
+from subdfit.schemes import _loop_kernels as kernels
+from subdfit.schemes._loop_types import (
+    REGULAR,
+    STRIDE,
+    CornerType,
+    irregular_matrices,
+    limit_mask,
+    regular_matrix,
+    vertex_alpha,
+)
+from subdfit.schemes.domain import TRIANGLE, Domain
+from subdfit.schemes.patch_table import LEVELS, PatchTable
+from subdfit.schemes.scheme import Refinement
+
+
+@dataclass(frozen=True)
+class Loop:
+    """Loop's scheme. Boundary edges are sharp; vertices with three or more sharp edges, and tagged ones, are corners."""
+
+    name: str = "loop"
+
+    def validate(self, topology: Topology) -> None:
+        """Raise InputError unless all faces are triangles, all inner valences 3 or more, and no tag is semi-sharp."""
+        if not topology.triangles_only:
+            raise InputError("Loop subdivision takes triangles only; triangulate the mesh or choose another scheme")
+        interior = ~_on_boundary(topology)
+        if np.any(interior & (topology.valence < 3)):
+            vertex = int(np.flatnonzero(interior & (topology.valence < 3))[0])
+            raise InputError(f"inner vertex {vertex} has valence 2; collapse one of its edges")
+        tags = np.concatenate([topology.sharpness, topology.corner_sharpness])
+        if np.any((tags > 0) & np.isfinite(tags)):
+            raise InputError("Loop subdivision takes creases and corners that are sharp for ever; give sharpness 10")
+
+    def domain(self, topology: Topology) -> Domain:
+        """One triangle a face, its corners in the face's order."""
+        t = topology
+        count = t.face_count
+        twin = t.twin.reshape(-1, 3)
+        neighbour = np.full((count, 4), -1, np.int32)
+        side = np.zeros((count, 4), np.int8)
+        neighbour[:, :3] = np.where(twin < 0, -1, twin // 3)
+        side[:, :3] = np.where(twin < 0, 0, twin % 3)
+        sharp = np.zeros((count, 4), np.bool_)
+        sharp[:, :3] = _sharp_half_edges(t).reshape(-1, 3)
+        vertex = np.full((count, 4), -1, np.int32)
+        vertex[:, :3] = t.triangles
+        return Domain(np.full(count, TRIANGLE, np.int8), neighbour, side, sharp, vertex)
+
+    def refine(self, topology: Topology) -> Refinement:
+        """Split each triangle into four: children of face f are 4 f to 4 f + 3, the last in its middle.
+
+        Vertices keep their rows; the new vertex of edge e is row n + e.
+        """
+        t = topology
+        children = kernels.child_faces(t.face_vertices, t.edge, t.vertex_count)
+        ends = t.edge_vertices
+        halves = np.concatenate([np.column_stack([end, t.vertex_count + np.arange(t.edge_count)]) for end in ends.T])
+        tagged = np.tile((t.sharpness > 0) & ~t.boundary_edges, 2)
+        child = Topology.from_faces(
+            np.arange(0, 3 * len(children) + 1, 3),
+            children.ravel(),
+            t.vertex_count + t.edge_count,
+            halves[tagged],
+            np.tile(t.sharpness, 2)[tagged],
+            np.flatnonzero(t.corner_sharpness > 0),
+            t.corner_sharpness[t.corner_sharpness > 0],
+        )
+        return Refinement(child, sp.vstack([_vertex_rows(t), _edge_rows(t)], format="csr"))
+
+    def limit_rows(self, topology: Topology) -> sp.csr_array:
+        """Limit masks of all vertices: smooth, crease and boundary, dart, corner."""
+        t = topology
+        own, ring, neighbour = np.empty(t.vertex_count), np.empty(t.vertex_count), _neighbours(t)
+        smooth, crease, dart, pinned = _vertex_kinds(t)
+        alpha = _alpha(t)
+        own[smooth] = 3 / (11 - 8 * alpha[smooth])
+        ring[smooth] = (1 - own[smooth]) / t.valence[smooth]
+        own[crease], ring[crease] = 4 / 6, 1 / 6
+        own[pinned], ring[pinned] = 1, 0
+        own[dart], ring[dart] = 0, 0
+        matrix = _own_and_ring(t, own, ring, smooth, crease, neighbour)
+        return sp.csr_array(matrix + _dart_limits(t, np.flatnonzero(dart)))
+
+    def patches(self, topology: Topology) -> PatchTable:
+        """Compile for exact evaluation: one patch a face, four where more than one corner is irregular."""
+        self.validate(topology)
+        return _compile(self, topology)
+
+
+def _sharp_half_edges(t: Topology) -> NDArray[np.bool_]:
+    return np.ascontiguousarray(t.sharpness[t.edge] > 0)
+
+
+def _on_boundary(t: Topology) -> NDArray[np.bool_]:
+    flags = np.zeros(t.vertex_count, np.bool_)
+    flags[t.edge_vertices[t.boundary_edges]] = True
+    return flags
+
+
+def _sharp_count(t: Topology) -> NDArray[np.int64]:
+    return np.bincount(t.edge_vertices[t.sharpness > 0].ravel(), minlength=t.vertex_count)
+
+
+def _vertex_kinds(t: Topology) -> tuple[NDArray[np.bool_], ...]:
+    """Masks of smooth, crease (boundary too), dart and pinned vertices."""
+    count = _sharp_count(t)
+    pinned = (t.corner_sharpness > 0) | (count >= 3)
+    return ~pinned & (count == 0), ~pinned & (count == 2), ~pinned & (count == 1), pinned
+
+
+def _alpha(t: Topology) -> NDArray[np.float64]:
+    """Own weight of the smooth vertex rule by valence, (n,)."""
+    table = np.array([1.0, *(vertex_alpha(n) for n in range(1, int(t.valence.max(initial=1)) + 1))])
+    return table[t.valence]
+
+
+def _neighbours(t: Topology) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.bool_]]:
+    """Directed edges: from, to, and whether sharp."""
+    a, b = t.edge_vertices.T
+    sharp = t.sharpness > 0
+    return np.concatenate([a, b]), np.concatenate([b, a]), np.concatenate([sharp, sharp])
+
+
+def _own_and_ring(
+    t: Topology,
+    own: NDArray[np.float64],
+    ring: NDArray[np.float64],
+    smooth: NDArray[np.bool_],
+    crease: NDArray[np.bool_],
+    neighbours: tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.bool_]],
+) -> sp.csr_array:
+    """Matrix with `own` on the diagonal and `ring` at all neighbours (smooth) or the sharp ones (crease)."""
+    start, end, sharp = neighbours
+    used = smooth[start] | (crease[start] & sharp)
+    rows = np.concatenate([np.arange(t.vertex_count), start[used]])
+    columns = np.concatenate([np.arange(t.vertex_count), end[used]])
+    values = np.concatenate([own, ring[start[used]]])
+    return sp.csr_array((values, (rows, columns)), shape=(t.vertex_count, t.vertex_count))
+
+
+def _vertex_rows(t: Topology) -> sp.csr_array:
+    """Vertex rule: a dart keeps the smooth one; creases 1/8, 6/8, 1/8; corners stay."""
+    smooth, crease, dart, pinned = _vertex_kinds(t)
+    own = _alpha(t)
+    ring = (1 - own) / t.valence
+    own[crease], ring[crease] = 6 / 8, 1 / 8
+    own[pinned], ring[pinned] = 1, 0
+    return _own_and_ring(t, own, ring, smooth | dart, crease, _neighbours(t))
+
+
+def _edge_rows(t: Topology) -> sp.csr_array:
+    """Edge rule 3/8, 3/8, 1/8, 1/8; sharp edges their midpoint."""
+    smooth = t.sharpness == 0
+    ends = np.where(smooth, 3 / 8, 1 / 2)
+    across = np.flatnonzero(smooth[t.edge])
+    apex = t.face_vertices[t.following[t.following[across]]]
+    rows = np.concatenate([np.arange(t.edge_count), np.arange(t.edge_count), t.edge[across]])
+    columns = np.concatenate([t.edge_vertices[:, 0], t.edge_vertices[:, 1], apex])
+    values = np.concatenate([ends, ends, np.full(len(across), 1 / 8)])
+    return sp.csr_array((values, (rows, columns)), shape=(t.edge_count, t.vertex_count))
+
+
+def _dart_limits(t: Topology, darts: NDArray[np.int64]) -> sp.csr_array:
+    """Limit rows of darts, whose mask is not the smooth one because their sharp edge takes its midpoint."""
+    sharp = _sharp_half_edges(t)
+    rows: list[NDArray[np.int64]] = []
+    columns: list[list[int]] = []
+    values: list[NDArray[np.float64]] = []
+    for v in darts:
+        h, *_ = kernels.sector(int(t.outgoing[v]), t.twin, sharp)
+        ring = [int(v)]
+        for _ in range(int(t.valence[v])):
+            ring.append(int(t.face_vertices[t.following[h]]))
+            h = t.twin[t.following[t.following[h]]]
+        columns.append(ring)
+        rows.append(np.full(len(ring), v))
+        values.append(limit_mask(CornerType(len(ring) - 1, 0, closed=True, dart=True, pinned=False)))
+    shape = (t.vertex_count, t.vertex_count)
+    if not rows:
+        return sp.csr_array(shape)
+    return sp.csr_array((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
+
+
+@dataclass(frozen=True, eq=False)
+class _Sectors:
+    """One level's connectivity as the patch kernels take it."""
+
+    topology: Topology
+    sharp: NDArray[np.bool_]
+    sharp_count: NDArray[np.int64]
+    pinned: NDArray[np.bool_]
+    first: NDArray[np.int32]
+    faces: NDArray[np.int32]
+    position: NDArray[np.int32]
+    regular: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, t: Topology) -> "_Sectors":
+        sharp, count = _sharp_half_edges(t), _sharp_count(t)
+        pinned = (t.corner_sharpness > 0) | (count >= 3)
+        return cls(t, sharp, count, pinned, *kernels.corner_sectors(t.face_vertices, t.twin, sharp, count, pinned))
+
+
+@dataclass(frozen=True, eq=False)
+class _Patches:
+    """Patches of one level: type keys, corners, points, and the mirror points they use."""
+
+    keys: NDArray[np.int64]
+    corner: NDArray[np.int8]
+    sizes: NDArray[np.int64]
+    points: NDArray[np.int32]
+    mirrors: NDArray[np.int32]
+
+
+def _compile(scheme: Loop, t: Topology) -> PatchTable:
+    coarse = _Sectors.of(t)
+    split = coarse.regular.reshape(-1, 3).sum(axis=1) < 2
+    patches = [_level_patches(coarse, np.flatnonzero(~split), 0, t.vertex_count)]
+    rows = [sp.csr_array(sp.eye_array(t.vertex_count)), _mirror_matrix(patches[0].mirrors, t.vertex_count)]
+    if split.any():
+        refinement = scheme.refine(t)
+        fine = _Sectors.of(refinement.child)
+        children = (4 * np.flatnonzero(split)[:, None] + np.arange(4)).ravel()
+        begin = t.vertex_count + len(patches[0].mirrors)
+        patches.append(_level_patches(fine, children, begin, begin + fine.topology.vertex_count))
+        mirrors = _mirror_matrix(patches[1].mirrors, fine.topology.vertex_count)
+        rows += [refinement.matrix, sp.csr_array(mirrors @ refinement.matrix)]
+    matrix, points = _only_used(sp.csr_array(sp.vstack(rows, format="csr")), patches, t.vertex_count)
+    keys = np.concatenate([p.keys for p in patches])
+    sizes = np.concatenate([p.sizes for p in patches])
+    cell_patch = np.empty(t.face_count, np.int32)
+    cell_patch[~split] = np.arange(np.count_nonzero(~split))
+    cell_patch[split] = np.count_nonzero(~split) + 4 * np.arange(np.count_nonzero(split))
+    types, patch_type = np.unique(keys, return_inverse=True)
+    kinds = [_unpack(int(key)) for key in types]
+    blocks = [regular_matrix() if kind == REGULAR else irregular_matrices(kind) for kind in kinds]
+    return PatchTable(
+        degree=4,
+        point_matrix=matrix,
+        cell_patch=cell_patch,
+        cell_split=split,
+        patch_type=patch_type.astype(np.int32),
+        patch_corner=np.concatenate([p.corner for p in patches]),
+        patch_offset=np.concatenate([[0], np.cumsum(sizes)]),
+        patch_points=points,
+        type_size=np.array([kind.size for kind in kinds], np.int32),
+        type_levels=np.array([0 if kind == REGULAR else LEVELS for kind in kinds], np.int32),
+        type_offset=np.cumsum([0, *(len(block) for block in blocks)])[:-1].astype(np.int64),
+        matrices=np.concatenate(blocks),
+        stride=STRIDE,
+    )
+
+
+def _level_patches(s: _Sectors, chosen: NDArray[np.int64], vertices: int, mirrors: int) -> _Patches:
+    """Patches of the chosen faces, all with one irregular corner at most; point rows begin at the given offsets."""
+    regular = s.regular.reshape(-1, 3)[chosen]
+    corner = np.argmin(regular, axis=1)
+    h = 3 * chosen + corner
+    vertex = s.topology.face_vertices[h]
+    closed = s.sharp_count[vertex] < 2
+    dart = s.sharp_count[vertex] == 1
+    keys = _pack(s.faces[h], np.where(closed & ~dart, 0, s.position[h]), closed, dart, s.pinned[vertex])
+    keys[regular.all(axis=1)] = _pack(*(np.array([x]) for x in (6, 0, True, False, False)))[0]
+    sizes = np.where(regular.all(axis=1), 12, s.faces[h] + np.where(closed, 6, 7)).astype(np.int64)
+    start = np.concatenate([[0], np.cumsum(sizes)])
+    mirror_of = np.full(len(s.topology.face_vertices), -1, np.int32)
+    mirror_corners = np.empty((np.count_nonzero(s.sharp), 3), np.int32)
+    used = np.zeros(1, np.int64)
+    points = kernels.patch_points(
+        chosen,
+        corner,
+        start,
+        np.array([vertices, mirrors]),
+        s.topology.face_vertices,
+        s.topology.twin,
+        s.sharp,
+        s.sharp_count,
+        s.first,
+        s.faces,
+        mirror_of,
+        mirror_corners,
+        used,
+    )
+    return _Patches(keys, corner.astype(np.int8), sizes, points, mirror_corners[: used[0]])
+
+
+def _pack(
+    faces: NDArray[np.int32],
+    position: NDArray[np.int32],
+    closed: NDArray[np.bool_],
+    dart: NDArray[np.bool_],
+    pinned: NDArray[np.bool_],
+) -> NDArray[np.int64]:
+    key: NDArray[np.int64] = faces.astype(np.int64) << 32 | position.astype(np.int64) << 3
+    key = key | closed.astype(np.int64) << 2 | dart.astype(np.int64) << 1 | pinned
+    return key
+
+
+def _unpack(key: int) -> CornerType:
+    return CornerType(key >> 32, (key >> 3) & 0x1FFFFFFF, bool(key & 4), bool(key & 2), bool(key & 1))
+
+
+def _mirror_matrix(corners: NDArray[np.int32], vertex_count: int) -> sp.csr_array:
+    rows = np.repeat(np.arange(len(corners)), 3)
+    values = np.tile([1.0, 1.0, -1.0], len(corners))
+    return sp.csr_array((values, (rows, corners.ravel())), shape=(len(corners), vertex_count))
+
+
+def _only_used(
+    matrix: sp.csr_array, patches: list[_Patches], control: int
+) -> tuple[sp.csr_array, NDArray[np.int32]]:
+    """Drop local points that no patch lists."""
+    points = np.concatenate([p.points for p in patches])
+    used = np.zeros(matrix.shape[0], np.bool_)
+    used[points] = True
+    used[:control] = True
+    renumber = np.cumsum(used, dtype=np.int32) - np.int32(1)
+    return sp.csr_array(matrix[np.flatnonzero(used)]), renumber[points]

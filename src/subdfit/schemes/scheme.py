@@ -1,0 +1,53 @@
+"""What a subdivision scheme is: the protocol that everything above works with."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import scipy.sparse as sp
+
+from subdfit.mesh.topology import Topology
+from subdfit.schemes.domain import Domain
+from subdfit.schemes.patch_table import PatchTable
+
+
+@dataclass(frozen=True, eq=False)
+class Refinement:
+    """One step of subdivision.
+
+    Attributes
+    ----------
+    child : the refined connectivity.
+    matrix : (child vertices, vertices) sparse; its rows sum to one.
+    """
+
+    child: Topology
+    matrix: sp.csr_array
+
+
+class Scheme(Protocol):
+    """A subdivision scheme: rules that depend on connectivity alone, linear in the control points."""
+
+    @property
+    def name(self) -> str:
+        """The name users and files know it by."""
+        ...
+
+    def validate(self, topology: Topology) -> None:
+        """Raise InputError where the scheme cannot take this connectivity."""
+        ...
+
+    def domain(self, topology: Topology) -> Domain:
+        """Return the parametric faces."""
+        ...
+
+    def refine(self, topology: Topology) -> Refinement:
+        """Return one step of subdivision."""
+        ...
+
+    def limit_rows(self, topology: Topology) -> sp.csr_array:
+        """Return the (n, n) sparse matrix from control points to their limit points."""
+        ...
+
+    def patches(self, topology: Topology) -> PatchTable:
+        """Return the topology compiled for exact evaluation."""
+        ...
