@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numba
 import numba.core.config
@@ -21,24 +21,41 @@ import platformdirs
 
 logger = logging.getLogger(__name__)
 
-F = TypeVar("F", bound=Callable[..., Any])
-
 _PACKAGE = Path(__file__).parent
 
 
-def kernel(function: F) -> F:
+def kernel(function: Callable[..., Any]) -> Any:
     """Compile `function` on its first call, without the interpreter lock, and keep the machine code on disk.
 
     Products and sums may be contracted to fused multiply-adds; nothing else of the arithmetic is
     reordered, so that results do not depend on the number of threads.
     """
+    return _compile(function, forceinline=False)
+
+
+def inlined_kernel(function: Callable[..., Any]) -> Any:
+    """Compile as `kernel` does, but contained in its callers: for the small steps of hot loops.
+
+    Such a kernel must not allocate, slice or return arrays: it counts no references to them, which in a loop over points
+    would cost more than the arithmetic.
+    """
+    return _compile(function, forceinline=True)
+
+
+def _compile(function: Callable[..., Any], *, forceinline: bool) -> Any:
     before = numba.core.config.CACHE_DIR
     numba.core.config.CACHE_DIR = cache_directory()
     try:
-        compiled: F = numba.njit(nogil=True, cache=True, error_model="numpy", fastmath={"contract"})(function)
+        return numba.njit(
+            nogil=True,
+            cache=True,
+            error_model="numpy",
+            fastmath={"contract"},
+            forceinline=forceinline,
+            **({"_nrt": False} if forceinline else {}),
+        )(function)
     finally:
         numba.core.config.CACHE_DIR = before
-    return compiled
 
 
 @cache

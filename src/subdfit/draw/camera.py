@@ -80,7 +80,9 @@ def camera_for(
     corners = np.asarray(vertices, np.float64)[np.asarray(triangles)]
     if len(corners) == 0:
         raise InputError("a mesh without triangles cannot be drawn: give at least one triangle")
-    rotation = _usual_view(corners, up) if azimuth is None or elevation is None else _view(azimuth, elevation, up)
+    rotation = (
+        _usual_view(corners, up) if azimuth is None or elevation is None else _view(azimuth, elevation, up)
+    )
     points = corners.reshape(-1, 3)
     low, high = points.min(axis=0), points.max(axis=0)
     centre = 0.5 * (low + high)

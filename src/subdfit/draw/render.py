@@ -91,7 +91,11 @@ def _pixels(ax: Axes) -> int:
 
 
 def _albedo(
-    colors: ArrayLike | None, vertex_count: int, faces: NDArray[np.int64], cmap: str | Colormap, norm: Normalize | None
+    colors: ArrayLike | None,
+    vertex_count: int,
+    faces: NDArray[np.int64],
+    cmap: str | Colormap,
+    norm: Normalize | None,
 ) -> NDArray[np.float32]:
     if colors is None or isinstance(colors, str):
         return np.tile(np.float32(to_rgb(PLASTER if colors is None else colors)), (len(faces), 1))
@@ -112,7 +116,11 @@ def _albedo(
 
 
 def _sheet(
-    points: NDArray[np.float64], faces: NDArray[np.int64], albedo: NDArray[np.float32], camera: Camera, pixels: int
+    points: NDArray[np.float64],
+    faces: NDArray[np.int64],
+    albedo: NDArray[np.float32],
+    camera: Camera,
+    pixels: int,
 ) -> _Sheet:
     """Project, cull, shade; of crowded meshes keep what is larger than a pixel."""
     closed = is_closed(faces)
@@ -140,7 +148,11 @@ def _turns_to_viewer(seen: NDArray[np.float32], faces: NDArray[np.int64]) -> NDA
 
 
 def _merge_pixels(
-    seen: NDArray[np.float32], faces: NDArray[np.int64], colors: NDArray[np.float32], camera: Camera, pixels: int
+    seen: NDArray[np.float32],
+    faces: NDArray[np.int64],
+    colors: NDArray[np.float32],
+    camera: Camera,
+    pixels: int,
 ) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
     """Let one vertex stand for all in its cube of a pixel's size; triangles that collapse are dropped, no gap opens."""
     left, right, bottom, top = camera.window
@@ -151,9 +163,7 @@ def _merge_pixels(
     key = (cube[:, 0] * extent[1] + cube[:, 1]) * extent[2] + cube[:, 2]
     _, first, member = np.unique(key, return_index=True, return_inverse=True)
     merged = first[member][faces]
-    kept = (
-        (merged[:, 0] != merged[:, 1]) & (merged[:, 1] != merged[:, 2]) & (merged[:, 2] != merged[:, 0])
-    )
+    kept = (merged[:, 0] != merged[:, 1]) & (merged[:, 1] != merged[:, 2]) & (merged[:, 2] != merged[:, 0])
     return merged[kept], colors[kept]
 
 

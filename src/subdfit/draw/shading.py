@@ -55,7 +55,9 @@ def unit(vectors: NDArray[np.float32]) -> NDArray[np.float32]:
     return vectors / np.where(lengths > 0.0, lengths, np.float32(1.0))[:, None]
 
 
-def lit(normals: NDArray[np.float32], albedo: NDArray[np.float32], open_sky: NDArray[np.float32]) -> NDArray[np.float32]:
+def lit(
+    normals: NDArray[np.float32], albedo: NDArray[np.float32], open_sky: NDArray[np.float32]
+) -> NDArray[np.float32]:
     """Return (m, 3) colours of faces under key, fill and rim light.
 
     Parameters
@@ -75,7 +77,9 @@ def lit(normals: NDArray[np.float32], albedo: NDArray[np.float32], open_sky: NDA
     return np.clip(albedo * diffuse[:, None] * (1.0 - glow) + glow, 0.0, 1.0).astype(np.float32)
 
 
-def openness(seen: NDArray[np.float32], window: tuple[float, float, float, float], pixels: int) -> NDArray[np.float32]:
+def openness(
+    seen: NDArray[np.float32], window: tuple[float, float, float, float], pixels: int
+) -> NDArray[np.float32]:
     """Return (m,) how freely each point sees the sky, judged from the picture's depth alone.
 
     The depth of the nearest points is compared with its own blurred copy: what lies below its surroundings darkens

@@ -15,10 +15,10 @@ IDLE, QUEUED, STALE = 0, 1, 2
 CURVE_WEIGHT = 10.0
 """Weight of the planes that stand on creases and boundaries, against the faces' own planes."""
 
-POINT_WEIGHT = 1e-4
+POINT_WEIGHT = 1e-6
 """Weight of the distance to the points themselves: makes every quadric invertible, spreads points in flats."""
 
-VALENCE_WEIGHT = 0.05
+VALENCE_WEIGHT = 0.02
 """Relative rise of the cost for each unit of (valence - regular)^2 that the merged vertex has too much."""
 
 FACE_QUALITY = 2.0 * np.sqrt(3.0)
@@ -44,163 +44,145 @@ def vertex_quadrics(points, vertices, mark):  # type: ignore[no-untyped-def]
     quadrics : (n, 10) float64
     """
     quadrics = np.zeros((len(points), 10))
-    plane = np.empty(4)
-    for f in range(len(vertices) // 3):
-        corner = points[vertices[3 * f : 3 * f + 3]]
-        normal = np.cross(corner[1] - corner[0], corner[2] - corner[0])
-        length = np.sqrt(np.sum(normal * normal))
-        area = 0.5 * length
-        if length > 0.0:
-            normal /= length
-        plane[:3] = normal
-        plane[3] = -np.sum(normal * corner[0])
-        for i in range(3):
-            v = vertices[3 * f + i]
-            _add_plane(quadrics[v], plane, area / 3.0)
-            _add_point(quadrics[v], corner[i], POINT_WEIGHT * area / 3.0)
-        for i in range(3):
-            if mark[3 * f + i] == 0:
-                continue
-            side = corner[(i + 1) % 3] - corner[i]
-            squared = np.sum(side * side)
-            upright = np.cross(normal, side)
-            if squared > 0.0:
-                upright /= np.sqrt(squared)
-            plane[:3] = upright
-            plane[3] = -np.sum(upright * corner[i])
-            for v in (vertices[3 * f + i], vertices[3 * f + (i + 1) % 3]):
-                _add_plane(quadrics[v], plane, 0.5 * CURVE_WEIGHT * squared)
+    for h in range(len(vertices)):
+        o, p, r = vertices[h], vertices[_following(h)], vertices[_preceding(h)]
+        x, y, z = points[o, 0], points[o, 1], points[o, 2]
+        e0, e1, e2 = points[p, 0] - x, points[p, 1] - y, points[p, 2] - z
+        g0, g1, g2 = points[r, 0] - x, points[r, 1] - y, points[r, 2] - z
+        n0, n1, n2 = e1 * g2 - e2 * g1, e2 * g0 - e0 * g2, e0 * g1 - e1 * g0
+        length = np.sqrt(n0 * n0 + n1 * n1 + n2 * n2) + 1e-300
+        _add_plane(quadrics, o, n0 / length, n1 / length, n2 / length, x, y, z, length / 6.0)
+        _add_point(quadrics, o, x, y, z, POINT_WEIGHT * length / 6.0)
+        if mark[h] > 0:
+            m0, m1, m2 = n1 * e2 - n2 * e1, n2 * e0 - n0 * e2, n0 * e1 - n1 * e0
+            squared = e0 * e0 + e1 * e1 + e2 * e2
+            scale = 1.0 / (np.sqrt(squared) * length + 1e-300)
+            weight = 0.5 * CURVE_WEIGHT * squared
+            _add_plane(quadrics, o, m0 * scale, m1 * scale, m2 * scale, x, y, z, weight)
+            _add_plane(quadrics, p, m0 * scale, m1 * scale, m2 * scale, x, y, z, weight)
     return quadrics
 
 
 @kernel
-def _add_plane(quadric, plane, weight):  # type: ignore[no-untyped-def]
-    a, b, c, d = plane[0], plane[1], plane[2], plane[3]
-    quadric[0] += weight * a * a
-    quadric[1] += weight * a * b
-    quadric[2] += weight * a * c
-    quadric[3] += weight * b * b
-    quadric[4] += weight * b * c
-    quadric[5] += weight * c * c
-    quadric[6] += weight * a * d
-    quadric[7] += weight * b * d
-    quadric[8] += weight * c * d
-    quadric[9] += weight * d * d
+def _add_plane(quadrics, v, a, b, c, x, y, z, weight):  # type: ignore[no-untyped-def]
+    """Add `weight` times the squared distance to the plane through (x, y, z) with unit normal (a, b, c)."""
+    d = -(a * x + b * y + c * z)
+    quadrics[v, 0] += weight * a * a
+    quadrics[v, 1] += weight * a * b
+    quadrics[v, 2] += weight * a * c
+    quadrics[v, 3] += weight * b * b
+    quadrics[v, 4] += weight * b * c
+    quadrics[v, 5] += weight * c * c
+    quadrics[v, 6] += weight * a * d
+    quadrics[v, 7] += weight * b * d
+    quadrics[v, 8] += weight * c * d
+    quadrics[v, 9] += weight * d * d
 
 
 @kernel
-def _add_point(quadric, point, weight):  # type: ignore[no-untyped-def]
-    x, y, z = point[0], point[1], point[2]
-    quadric[0] += weight
-    quadric[3] += weight
-    quadric[5] += weight
-    quadric[6] -= weight * x
-    quadric[7] -= weight * y
-    quadric[8] -= weight * z
-    quadric[9] += weight * (x * x + y * y + z * z)
+def _add_point(quadrics, v, x, y, z, weight):  # type: ignore[no-untyped-def]
+    """Add `weight` times the squared distance to (x, y, z)."""
+    quadrics[v, 0] += weight
+    quadrics[v, 3] += weight
+    quadrics[v, 5] += weight
+    quadrics[v, 6] -= weight * x
+    quadrics[v, 7] -= weight * y
+    quadrics[v, 8] -= weight * z
+    quadrics[v, 9] += weight * (x * x + y * y + z * z)
 
 
 @kernel
-def _error(q, x, y, z):  # type: ignore[no-untyped-def]
-    value = x * (q[0] * x + 2.0 * (q[1] * y + q[2] * z + q[6]))
-    value += y * (q[3] * y + 2.0 * (q[4] * z + q[7])) + z * (q[5] * z + 2.0 * q[8]) + q[9]
+def _error(a00, a01, a02, a11, a12, a22, b0, b1, b2, c, x, y, z):  # type: ignore[no-untyped-def]
+    value = x * (a00 * x + 2.0 * (a01 * y + a02 * z + b0))
+    value += y * (a11 * y + 2.0 * (a12 * z + b1)) + z * (a22 * z + 2.0 * b2) + c
     return max(value, 0.0)
 
 
 @kernel
-def _minimise(q, place):  # type: ignore[no-untyped-def]
-    """Solve A x = -b by LDL' into `place`; False where A is not safely positive definite."""
-    d0 = q[0]
-    if d0 <= 0.0:
-        return False
-    l1, l2 = q[1] / d0, q[2] / d0
-    d1 = q[3] - l1 * q[1]
-    if d1 <= 1e-12 * q[3]:
-        return False
-    e = q[4] - l1 * q[2]
+def _minimum(a00, a01, a02, a11, a12, a22, b0, b1, b2):  # type: ignore[no-untyped-def]
+    """Solve A x = -b by LDL'; the first result is False where A is not safely positive definite."""
+    l1, l2 = a01 / a00, a02 / a00
+    d1 = a11 - l1 * a01
+    e = a12 - l1 * a02
     l3 = e / d1
-    d2 = q[5] - l2 * q[2] - l3 * e
-    if d2 <= 1e-12 * q[5]:
-        return False
-    y0 = -q[6]
-    y1 = -q[7] - l1 * y0
-    y2 = -q[8] - l2 * y0 - l3 * y1
-    z = y2 / d2
+    d2 = a22 - l2 * a02 - l3 * e
+    y1 = -b1 + l1 * b0
+    z = (-b2 + l2 * b0 - l3 * y1) / d2
     y = y1 / d1 - l3 * z
-    place[0] = y0 / d0 - l1 * y - l2 * z
-    place[1] = y
-    place[2] = z
-    return True
+    return a00 > 0.0 and d1 > 1e-12 * a11 and d2 > 1e-12 * a22, -b0 / a00 - l1 * y - l2 * z, y, z
 
 
 @kernel
-def _cost(h, points, quadrics, vertices, twin, mark, kind, valence, place):  # type: ignore[no-untyped-def]
-    """Cost of collapsing edge `h`, infinite where its ends must stay apart; the merged point goes to `place`.
+def _cost(h, points, quadrics, vertices, twin, mark, kind, valence):  # type: ignore[no-untyped-def]
+    """Cost of collapsing edge `h`, infinite where its ends must stay apart, and the point they merge in.
 
     A corner never moves and a curve's vertex takes smooth neighbours in without moving; two of a kind meet
     where their summed quadric is least, or at the best of ends and midpoint where that is ill-posed.
     """
     u, v = vertices[h], vertices[_following(h)]
-    if kind[u] > SMOOTH and kind[v] > SMOOTH and (mark[h] == 0 or kind[u] + kind[v] == 2 * CORNER):
-        return np.inf
-    q = quadrics[u] + quadrics[v]
-    if kind[u] != kind[v]:
-        place[:] = points[u] if kind[u] > kind[v] else points[v]
-    elif not _minimise(q, place):
-        best = np.inf
-        for t in (0.5, 0.0, 1.0):
-            x = points[u] + t * (points[v] - points[u])
-            error = _error(q, x[0], x[1], x[2])
+    a00, a01 = quadrics[u, 0] + quadrics[v, 0], quadrics[u, 1] + quadrics[v, 1]
+    a02, a11 = quadrics[u, 2] + quadrics[v, 2], quadrics[u, 3] + quadrics[v, 3]
+    a12, a22 = quadrics[u, 4] + quadrics[v, 4], quadrics[u, 5] + quadrics[v, 5]
+    b0, b1 = quadrics[u, 6] + quadrics[v, 6], quadrics[u, 7] + quadrics[v, 7]
+    b2, c = quadrics[u, 8] + quadrics[v, 8], quadrics[u, 9] + quadrics[v, 9]
+    ux, uy, uz = points[u, 0], points[u, 1], points[u, 2]
+    vx, vy, vz = points[v, 0], points[v, 1], points[v, 2]
+    ku, kv, marked, inner = kind[u], kind[v], mark[h], twin[h] >= 0
+    excess = valence[u] + valence[v] - (3 + inner) - (4 if marked == 2 else 6)
+    if ku > SMOOTH and kv > SMOOTH and (marked == 0 or ku + kv == 2 * CORNER):
+        return np.inf, ux, uy, uz
+    solved, x, y, z = _minimum(a00, a01, a02, a11, a12, a22, b0, b1, b2)
+    best = np.inf
+    if solved and ku == kv:
+        best = _error(a00, a01, a02, a11, a12, a22, b0, b1, b2, c, x, y, z)
+    else:
+        for step in range(3):
+            share = 0.0 if ku > kv else 1.0 if ku < kv else 0.5 * step
+            px, py, pz = ux + share * (vx - ux), uy + share * (vy - uy), uz + share * (vz - uz)
+            error = _error(a00, a01, a02, a11, a12, a22, b0, b1, b2, c, px, py, pz)
             if error < best:
-                best = error
-                place[:] = x
-    merged = valence[u] + valence[v] - (4 if twin[h] >= 0 else 3)
-    excess = merged - (4 if mark[h] == 2 else 6)
-    return _error(q, place[0], place[1], place[2]) * (1.0 + VALENCE_WEIGHT * excess * excess)
+                best, x, y, z = error, px, py, pz
+    return best * (1.0 + VALENCE_WEIGHT * excess * excess), x, y, z
 
 
 @kernel
-def _links_meet_twice(h, vertices, twin, mark, outgoing, valence, seen, stamp):  # type: ignore[no-untyped-def]
-    """Whether collapsing `h` keeps the surface and its curves what they are, topologically.
+def _keeps_curves(h, twin, mark):  # type: ignore[no-untyped-def]
+    """Whether no triangle beside edge `h` has both other sides marked: those two curves would merge."""
+    other = np.int64(twin[h])
+    kept = mark[_following(h)] == 0 or mark[_preceding(h)] == 0
+    if other >= 0:
+        kept = kept and (mark[_following(other)] == 0 or mark[_preceding(other)] == 0)
+    return kept
 
-    The link condition (Dey et al. 1999): the ends share only the corners opposite the edge. Of a vanishing
-    triangle's other two sides at most one may be marked, else two curves (or a curve with itself) would
-    merge; and the last four vertices of a closed piece stay.
-    """
+
+@kernel
+def _shared_neighbours(h, vertices, twin, outgoing, seen, stamp):  # type: ignore[no-untyped-def]
+    """Count the vertices next to both ends of edge `h`; `stamp` must not be in `seen` yet."""
     u, v = vertices[h], vertices[_following(h)]
-    opposite = 0
-    for side in (h, twin[h]):
-        if side >= 0:
-            opposite += 1
-            if mark[_following(side)] > 0 and mark[_preceding(side)] > 0:
-                return False
-    if opposite == 2 and valence[u] == 3 and valence[v] == 3:
-        return False
-    g = outgoing[u]
-    while True:
-        seen[vertices[_following(g)]] = stamp
+    g = np.int64(outgoing[u])
+    while g >= 0:
         back = _preceding(g)
+        seen[vertices[_following(g)]] = stamp
         seen[vertices[back]] = stamp
-        g = twin[back]
-        if g < 0 or g == outgoing[u]:
-            break
+        g = np.int64(twin[back])
+        if g == outgoing[u]:
+            g = -1
     shared = 0
-    g = outgoing[v]
-    while True:
+    g = np.int64(outgoing[v])
+    while g >= 0:
         shared += seen[vertices[_following(g)]] == stamp
         back = _preceding(g)
-        g = twin[back]
+        g = np.int64(twin[back])
         if g < 0:
             shared += seen[vertices[back]] == stamp
-            break
         if g == outgoing[v]:
-            break
-    return shared == opposite
+            g = -1
+    return shared
 
 
 @kernel
-def _star_change(u, v, place, points, vertices, twin, outgoing):  # type: ignore[no-untyped-def]
-    """How the triangles of `u` that avoid `v` fare when `u` moves to `place`.
+def _star_change(u, v, x, y, z, points, vertices, twin, outgoing):  # type: ignore[no-untyped-def]
+    """How the triangles of `u` that avoid `v` fare when `u` moves to (x, y, z).
 
     Returns
     -------
@@ -224,7 +206,7 @@ def _star_change(u, v, place, points, vertices, twin, outgoing):  # type: ignore
         quality = FACE_QUALITY * old / (2.0 * (side + squared - dot) + 1e-300)
         before = min(before, quality)
         if a != v and b != v:
-            s0, s1, s2 = place[0] - a0, place[1] - a1, place[2] - a2
+            s0, s1, s2 = x - a0, y - a1, z - a2
             n0, n1, n2 = e1 * s2 - e2 * s1, e2 * s0 - e0 * s2, e0 * s1 - e1 * s0
             new = np.sqrt(n0 * n0 + n1 * n1 + n2 * n2)
             dot = s0 * e0 + s1 * e1 + s2 * e2
@@ -249,7 +231,7 @@ def _collapse(h, gone, kept, vertices, twin, mark, outgoing, valence, kind):  # 
             break
     valence[kept] += valence[gone] - 2
     around = -1
-    for side in (h, twin[h]):
+    for side in (h, np.int64(twin[h])):
         if side < 0:
             continue
         ahead, back = _following(side), _preceding(side)
@@ -269,7 +251,8 @@ def _collapse(h, gone, kept, vertices, twin, mark, outgoing, valence, kind):  # 
         valence[apex] -= 1
         valence[kept] -= 1
         first = 3 * (side // 3)
-        vertices[first : first + 3] = -1
+        for i in range(first, first + 3):
+            vertices[i] = -1
     outgoing[kept] = around
     if kind[kept] > SMOOTH:
         while twin[outgoing[kept]] >= 0:
@@ -279,40 +262,55 @@ def _collapse(h, gone, kept, vertices, twin, mark, outgoing, valence, kind):  # 
 
 
 @kernel
-def _sift_down(keys, edges, size, slot):  # type: ignore[no-untyped-def]
-    """Let the entry at `slot` sink to its place in the four-way heap."""
-    key, edge = keys[slot], edges[slot]
-    while True:
-        child = 4 * slot + 1
-        if child >= size:
-            break
-        least = child
-        for other in range(child + 1, min(child + 4, size)):
-            if keys[other] < keys[least]:
+def _sift_down(keys, edges, size):  # type: ignore[no-untyped-def]
+    """Let the top entry of the four-way heap in row 0 sink to its place."""
+    key, edge = keys[0, 0], edges[0, 0]
+    slot = 0
+    while 4 * slot + 1 < size:
+        least = 4 * slot + 1
+        for other in range(least + 1, min(least + 4, size)):
+            if keys[0, other] < keys[0, least]:
                 least = other
-        if keys[least] >= key:
+        if keys[0, least] >= key:
             break
-        keys[slot] = keys[least]
-        edges[slot] = edges[least]
+        keys[0, slot] = keys[0, least]
+        edges[0, slot] = edges[0, least]
         slot = least
-    keys[slot] = key
-    edges[slot] = edge
+    keys[0, slot] = key
+    edges[0, slot] = edge
 
 
 @kernel
-def _push(keys, edges, size, key, edge):  # type: ignore[no-untyped-def]
-    """Add an entry to the heap and return its new size."""
-    slot = size
-    while slot > 0:
-        parent = (slot - 1) // 4
-        if keys[parent] <= key:
-            break
-        keys[slot] = keys[parent]
-        edges[slot] = edges[parent]
-        slot = parent
-    keys[slot] = key
-    edges[slot] = edge
-    return size + 1
+def _enter(h, cost, ceiling, keys, edges, sizes):  # type: ignore[no-untyped-def]
+    """Put an edge on the heap, row 0, if its cost is at most the ceiling, else in row 1, which has no order."""
+    row = 1 if cost > ceiling else 0
+    slot = sizes[row]
+    sizes[row] += 1
+    while row == 0 and slot > 0 and keys[0, (slot - 1) // 4] > cost:
+        keys[0, slot] = keys[0, (slot - 1) // 4]
+        edges[0, slot] = edges[0, (slot - 1) // 4]
+        slot = (slot - 1) // 4
+    keys[row, slot] = cost
+    edges[row, slot] = h
+
+
+@kernel
+def _raise_ceiling(vertices, keys, edges, sizes):  # type: ignore[no-untyped-def]
+    """Move waiting edges of at most twice the least cost onto the empty heap; forget dead ones met on the way.
+
+    A heap of few entries stays in the processor's cache, and most edges die before their turn comes.
+    """
+    least = np.inf
+    for slot in range(sizes[1]):
+        least = min(least, keys[1, slot])
+    ceiling = 2.0 * least
+    count = sizes[1]
+    sizes[1] = 0
+    for slot in range(count):
+        h, key = np.int64(edges[1, slot]), keys[1, slot]
+        if key > ceiling or vertices[h] >= 0:
+            _enter(h, key, ceiling, keys, edges, sizes)
+    return ceiling
 
 
 @kernel
@@ -322,50 +320,54 @@ def collapse_edges(  # type: ignore[no-untyped-def]
     """Collapse the cheapest admissible edges, in place, until `target` vertices are left or none is admissible.
 
     Quadrics only grow, so a stale entry's cost bounds the true one from below: entries are re-evaluated
-    when they reach the top, not when they go stale. A half-edge has at most one entry, so the heap never
-    outgrows the mesh. A merged vertex (or a collapse's survivor) must have valence at most `most_valence`
-    unless an end had more already, survivors quality at least `least_quality` unless the star was worse
-    before, and a survivor's normal must keep a cosine of at least `least_turn` with what it was.
+    when they reach the top, not when they go stale. A half-edge has at most one entry, so the queue never
+    outgrows the mesh. A collapse may leave valence above `most_valence` only where an end had as much, a
+    triangle of less than `least_quality` only where the star had a worse one, and must keep each survivor's
+    normal within the angle of cosine `least_turn`.
 
     Returns
     -------
     alive : int, vertices left.
     """
-    keys = np.empty(len(vertices))
-    edges = np.empty(len(vertices), np.int32)
-    state = np.zeros(len(vertices), np.int8)
+    capacity = len(vertices)
+    keys, edges = np.empty((2, capacity)), np.empty((2, capacity), np.int32)
+    sizes = np.zeros(2, np.int64)
+    state = np.zeros(capacity, np.int8)
     seen = np.zeros(len(points), np.int32)
-    place = np.empty(3)
     stamp = 0
-    size = 0
-    for h in range(len(vertices)):
+    ceiling = -1.0
+    for h in range(capacity):
         if vertices[h] >= 0 and twin[h] < h:
-            cost = _cost(h, points, quadrics, vertices, twin, mark, kind, valence, place)
+            cost, x, y, z = _cost(h, points, quadrics, vertices, twin, mark, kind, valence)
             if cost < np.inf:
-                keys[size] = cost
-                edges[size] = h
                 state[h] = QUEUED
-                size += 1
-    for slot in range(size // 4, -1, -1):
-        if slot < size:
-            _sift_down(keys, edges, size, slot)
+                _enter(h, cost, ceiling, keys, edges, sizes)
 
-    while size > 0 and alive > target:
-        h = edges[0]
+    while alive > target:
+        if sizes[0] == 0:
+            if sizes[1] == 0:
+                break
+            ceiling = _raise_ceiling(vertices, keys, edges, sizes)
+            continue
+        h = np.int64(edges[0, 0])
         dead = vertices[h] < 0
         cost = np.inf
         if not dead:
-            cost = _cost(h, points, quadrics, vertices, twin, mark, kind, valence, place)
-            if state[h] == STALE and keys[0] < cost < np.inf:
+            cost, x, y, z = _cost(h, points, quadrics, vertices, twin, mark, kind, valence)
+            if state[h] == STALE and keys[0, 0] < cost <= ceiling:
                 state[h] = QUEUED
-                keys[0] = cost
-                _sift_down(keys, edges, size, 0)
+                keys[0, 0] = cost
+                _sift_down(keys, edges, sizes[0])
                 continue
+        sizes[0] -= 1
+        keys[0, 0] = keys[0, sizes[0]]
+        edges[0, 0] = edges[0, sizes[0]]
+        _sift_down(keys, edges, sizes[0])
+        if not dead and state[h] == STALE and ceiling < cost < np.inf:
+            state[h] = QUEUED
+            _enter(h, cost, ceiling, keys, edges, sizes)
+            continue
         state[h] = IDLE
-        size -= 1
-        keys[0] = keys[size]
-        edges[0] = edges[size]
-        _sift_down(keys, edges, size, 0)
         if dead or cost == np.inf:
             continue
 
@@ -376,53 +378,56 @@ def collapse_edges(  # type: ignore[no-untyped-def]
         if merged > most_valence and merged > max(valence[gone], valence[kept]):
             continue
         stamp += 1
-        if not _links_meet_twice(h, vertices, twin, mark, outgoing, valence, seen, stamp):
+        opposite = 2 if twin[h] >= 0 else 1
+        least_valence = 3 if twin[outgoing[kept]] >= 0 else 2
+        if merged < least_valence or not _keeps_curves(h, twin, mark):
             continue
-        before, after, turn = _star_change(gone, kept, place, points, vertices, twin, outgoing)
-        other_before, other_after, other_turn = _star_change(kept, gone, place, points, vertices, twin, outgoing)
+        if _shared_neighbours(h, vertices, twin, outgoing, seen, stamp) != opposite:
+            continue
+        before, after, turn = _star_change(gone, kept, x, y, z, points, vertices, twin, outgoing)
+        other_before, other_after, other_turn = _star_change(kept, gone, x, y, z, points, vertices, twin, outgoing)
         after = min(after, other_after)
-        if min(turn, other_turn) < least_turn:
-            continue
-        if after < least_quality and after < min(before, other_before):
+        if min(turn, other_turn) < least_turn or (after < least_quality and after < min(before, other_before)):
             continue
 
         _collapse(h, gone, kept, vertices, twin, mark, outgoing, valence, kind)
-        points[kept] = place
-        quadrics[kept] += quadrics[gone]
+        points[kept, 0], points[kept, 1], points[kept, 2] = x, y, z
+        for i in range(10):
+            quadrics[kept, i] += quadrics[gone, i]
         outgoing[gone] = -1
         alive -= 1
-        g = outgoing[kept]
-        while True:
-            size = _refresh(g, keys, edges, size, state, points, quadrics, vertices, twin, mark, kind, valence, place)
-            back = _preceding(g)
-            g = twin[back]
-            if g < 0:
-                size = _refresh(
-                    back, keys, edges, size, state, points, quadrics, vertices, twin, mark, kind, valence, place
-                )
-                break
-            if g == outgoing[kept]:
-                break
+        spoke, ring_end = np.int64(outgoing[kept]), False
+        while not ring_end:
+            if not _grow_stale(spoke, twin, state):
+                cost, x, y, z = _cost(spoke, points, quadrics, vertices, twin, mark, kind, valence)
+                if cost < np.inf:
+                    state[spoke] = QUEUED
+                    _enter(spoke, cost, ceiling, keys, edges, sizes)
+            spoke, ring_end = _next_spoke(spoke, kept, vertices, twin, outgoing)
     return alive
 
 
 @kernel
-def _refresh(  # type: ignore[no-untyped-def]
-    h, keys, edges, size, state, points, quadrics, vertices, twin, mark, kind, valence, place
-):
-    """Call the entries of edge `h` stale, or queue it where it has none (refused before, or new)."""
-    other = twin[h]
-    waiting = False
-    if state[h] != IDLE:
-        state[h] = STALE
-        waiting = True
-    if other >= 0 and state[other] != IDLE:
-        state[other] = STALE
-        waiting = True
-    if waiting:
-        return size
-    cost = _cost(h, points, quadrics, vertices, twin, mark, kind, valence, place)
-    if cost == np.inf:
-        return size
-    state[h] = QUEUED
-    return _push(keys, edges, size, cost, h)
+def _grow_stale(h, twin, state):  # type: ignore[no-untyped-def]
+    """Call the entries of edge `h` stale; False where it has none (it was refused before, or is new)."""
+    queued = False
+    for side in (h, np.int64(twin[h])):
+        if side >= 0 and state[side] != IDLE:
+            state[side] = STALE
+            queued = True
+    return queued
+
+
+@kernel
+def _next_spoke(h, centre, vertices, twin, outgoing):  # type: ignore[no-untyped-def]
+    """Return the next edge of `centre` counter-clockwise after `h`, and whether the round is over.
+
+    On a boundary the last edge comes as the half-edge that runs towards the centre.
+    """
+    if vertices[h] != centre:
+        return h, True
+    back = _preceding(h)
+    if twin[back] < 0:
+        return back, False
+    ahead = np.int64(twin[back])
+    return ahead, ahead == outgoing[centre]

@@ -16,11 +16,11 @@ CREASE, BOUNDARY = 1, 2
 
 NO_LIMIT = np.iinfo(np.int32).max
 
-LEAST_QUALITY = 0.15
+LEAST_QUALITY = 0.05
 """Triangles flatter than this (1 is equilateral) are refused as long as there is another way."""
 
-LEAST_TURN = 0.5
-"""Cosine of the angle, 60 degrees, by which one collapse may turn a face as long as there is another way."""
+LEAST_TURN = 0.3
+"""Cosine of the angle, about 73 degrees, by which one collapse may turn a face as long as there is another way."""
 
 LEAST_TURN_EVER = 0.1
 """Cosine of the angle, about 84 degrees, by which one collapse may turn a face at the very most."""
@@ -204,14 +204,21 @@ def _collapse_in_stages(mesh: _Mesh, target: int, max_valence: int) -> int:
 
 
 def _harvest(
-    mesh: _Mesh, fixed: NDArray[np.int64], middle: NDArray[np.float64], size: float, reached: bool, message: str | None
+    mesh: _Mesh,
+    fixed: NDArray[np.int64],
+    middle: NDArray[np.float64],
+    size: float,
+    reached: bool,
+    message: str | None,
 ) -> Decimated:
     """Number the survivors afresh and go back to the caller's unit and place."""
     survives = mesh.outgoing >= 0
     row = np.cumsum(survives) - 1
     triangles = mesh.vertices.reshape(-1, 3)
     triangles = triangles[triangles[:, 0] >= 0]
-    crease = np.flatnonzero((mesh.mark == CREASE) & (mesh.vertices >= 0) & (np.arange(len(mesh.twin)) > mesh.twin))
+    crease = np.flatnonzero(
+        (mesh.mark == CREASE) & (mesh.vertices >= 0) & (np.arange(len(mesh.twin)) > mesh.twin)
+    )
     heads = np.where(crease % 3 == 2, crease - 2, crease + 1)
     ends = row[np.stack([mesh.vertices[crease], mesh.vertices[heads]], axis=1)]
     return Decimated(

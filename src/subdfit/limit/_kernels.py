@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subdfit.compiled import kernel
+from subdfit.compiled import inlined_kernel, kernel
 
 SLOTS = 10
 """Coefficient sets kept while the cell does not change: the sub-patches of three levels, and one for all deeper."""
@@ -27,7 +27,7 @@ class Patches(NamedTuple):
     positions: np.ndarray
 
 
-@kernel
+@inlined_kernel
 def locate(patches, cell, u, v):  # type: ignore[no-untyped-def]
     """Find the polynomial under (u, v) of a triangular cell.
 
@@ -78,27 +78,24 @@ def locate(patches, cell, u, v):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def gather(patches, patch, block, out):  # type: ignore[no-untyped-def]
-    """Write a polynomial's coefficients, 16 for each coordinate, into `out` (48,)."""
+def gather(patches, patch, block, out, to):  # type: ignore[no-untyped-def]
+    """Write a polynomial's coefficients, 16 for each coordinate, into ``out[to:to + 48]``."""
     kind = patches.patch_type[patch]
     size = patches.type_size[kind]
     begin = patches.type_offset[kind] + 16 * block * size
     first = patches.patch_offset[patch]
+    # Taken out of the tuple once: numba counts a reference each time a field is read.
+    points, positions, matrices = patches.patch_points, patches.positions, patches.matrices
     # Four rows at a time: twelve sums stay in registers.
-    for row in range(0, 16, 4):
+    for row in range(to, to + 16, 4):
         x0 = x1 = x2 = x3 = 0.0
         y0 = y1 = y2 = y3 = 0.0
         z0 = z1 = z2 = z3 = 0.0
-        at = begin + row
+        at = begin + row - to
         for k in range(size):
-            q = patches.patch_points[first + k]
-            x, y, z = patches.positions[q, 0], patches.positions[q, 1], patches.positions[q, 2]
-            m0, m1, m2, m3 = (
-                patches.matrices[at],
-                patches.matrices[at + 1],
-                patches.matrices[at + 2],
-                patches.matrices[at + 3],
-            )
+            q = points[first + k]
+            x, y, z = positions[q, 0], positions[q, 1], positions[q, 2]
+            m0, m1, m2, m3 = matrices[at], matrices[at + 1], matrices[at + 2], matrices[at + 3]
             x0, x1, x2, x3 = x0 + m0 * x, x1 + m1 * x, x2 + m2 * x, x3 + m3 * x
             y0, y1, y2, y3 = y0 + m0 * y, y1 + m1 * y, y2 + m2 * y, y3 + m3 * y
             z0, z1, z2, z3 = z0 + m0 * z, z1 + m1 * z, z2 + m2 * z, z3 + m3 * z
@@ -108,46 +105,46 @@ def gather(patches, patch, block, out):  # type: ignore[no-untyped-def]
         out[row + 32], out[row + 33], out[row + 34], out[row + 35] = z0, z1, z2, z3
 
 
-@kernel
-def first_order(c, x, y):  # type: ignore[no-untyped-def]
-    """Value and first derivatives of a quartic with coefficients `c` (16,) of x^i y^j, i then j."""
-    p0 = c[0] + y * (c[1] + y * (c[2] + y * (c[3] + y * c[4])))
-    p1 = c[5] + y * (c[6] + y * (c[7] + y * c[8]))
-    p2 = c[9] + y * (c[10] + y * c[11])
-    p3 = c[12] + y * c[13]
-    q0 = c[1] + y * (2 * c[2] + y * (3 * c[3] + y * (4 * c[4])))
-    q1 = c[6] + y * (2 * c[7] + y * (3 * c[8]))
-    q2 = c[10] + y * (2 * c[11])
-    value = p0 + x * (p1 + x * (p2 + x * (p3 + x * c[14])))
-    by_x = p1 + x * (2 * p2 + x * (3 * p3 + x * (4 * c[14])))
-    by_y = q0 + x * (q1 + x * (q2 + x * c[13]))
+@inlined_kernel
+def first_order(c, o, x, y):  # type: ignore[no-untyped-def]
+    """Value and first derivatives of a quartic with coefficients ``c[o:o + 15]`` of x^i y^j, i then j."""
+    p0 = c[o] + y * (c[o + 1] + y * (c[o + 2] + y * (c[o + 3] + y * c[o + 4])))
+    p1 = c[o + 5] + y * (c[o + 6] + y * (c[o + 7] + y * c[o + 8]))
+    p2 = c[o + 9] + y * (c[o + 10] + y * c[o + 11])
+    p3 = c[o + 12] + y * c[o + 13]
+    q0 = c[o + 1] + y * (2 * c[o + 2] + y * (3 * c[o + 3] + y * (4 * c[o + 4])))
+    q1 = c[o + 6] + y * (2 * c[o + 7] + y * (3 * c[o + 8]))
+    q2 = c[o + 10] + y * (2 * c[o + 11])
+    value = p0 + x * (p1 + x * (p2 + x * (p3 + x * c[o + 14])))
+    by_x = p1 + x * (2 * p2 + x * (3 * p3 + x * (4 * c[o + 14])))
+    by_y = q0 + x * (q1 + x * (q2 + x * c[o + 13]))
     return value, by_x, by_y
 
 
-@kernel
-def second_order(c, x, y):  # type: ignore[no-untyped-def]
+@inlined_kernel
+def second_order(c, o, x, y):  # type: ignore[no-untyped-def]
     """Second derivatives by xx, xy, yy of the quartic of `first_order`."""
-    p2 = c[9] + y * (c[10] + y * c[11])
-    p3 = c[12] + y * c[13]
-    q1 = c[6] + y * (2 * c[7] + y * (3 * c[8]))
-    q2 = c[10] + y * (2 * c[11])
-    r0 = 2 * c[2] + y * (6 * c[3] + y * (12 * c[4]))
-    r1 = 2 * c[7] + y * (6 * c[8])
-    by_xx = 2 * p2 + x * (6 * p3 + x * (12 * c[14]))
-    by_xy = q1 + x * (2 * q2 + x * (3 * c[13]))
-    by_yy = r0 + x * (r1 + x * (2 * c[11]))
+    p2 = c[o + 9] + y * (c[o + 10] + y * c[o + 11])
+    p3 = c[o + 12] + y * c[o + 13]
+    q1 = c[o + 6] + y * (2 * c[o + 7] + y * (3 * c[o + 8]))
+    q2 = c[o + 10] + y * (2 * c[o + 11])
+    r0 = 2 * c[o + 2] + y * (6 * c[o + 3] + y * (12 * c[o + 4]))
+    r1 = 2 * c[o + 7] + y * (6 * c[o + 8])
+    by_xx = 2 * p2 + x * (6 * p3 + x * (12 * c[o + 14]))
+    by_xy = q1 + x * (2 * q2 + x * (3 * c[o + 13]))
+    by_yy = r0 + x * (r1 + x * (2 * c[o + 11]))
     return by_xx, by_xy, by_yy
 
 
-@kernel
+@inlined_kernel
 def coefficients(patches, patch, block, cache, tags):  # type: ignore[no-untyped-def]
-    """Return the polynomial's coefficients (48,), gathered anew only if `cache` (SLOTS, 48) does not hold them."""
+    """Return where in `cache` (48 SLOTS,) the polynomial's coefficients lie; they are gathered only if not there yet."""
     slot = min(block, SLOTS - 1)
     tag = np.int64(patch) << 16 | block
     if tags[slot] != tag:
-        gather(patches, patch, block, cache[slot])
+        gather(patches, patch, block, cache, 48 * slot)
         tags[slot] = tag
-    return cache[slot]
+    return 48 * slot
 
 
 @kernel
@@ -156,24 +153,37 @@ def evaluate(patches, cell, uv, order, start, stop, derivatives, position, first
 
     `position` (k, 3), `first` (k, 2, 3), `second` (k, 3, 3) by uu, uv, vv; those beyond `derivatives` are not touched.
     """
-    cache = np.empty((SLOTS, 48))
+    cache = np.empty(48 * SLOTS)
     tags = np.full(SLOTS, -1, np.int64)
     for n in range(start, stop):
         k = order[n]
         patch, block, x, y, xu, xv, yu, yv = locate(patches, cell[k], uv[k, 0], uv[k, 1])
         c = coefficients(patches, patch, block, cache, tags)
+        if derivatives == 0:
+            for d in range(3):
+                position[k, d] = first_order(cache, c + 16 * d, x, y)[0]
+            continue
         for d in range(3):
-            own = c[16 * d : 16 * d + 16]
-            value, by_x, by_y = first_order(own, x, y)
+            value, by_x, by_y = first_order(cache, c + 16 * d, x, y)
             position[k, d] = value
-            if derivatives > 0:
-                first[k, 0, d] = xu * by_x + yu * by_y
-                first[k, 1, d] = xv * by_x + yv * by_y
-            if derivatives > 1:
-                by_xx, by_xy, by_yy = second_order(own, x, y)
+            first[k, 0, d] = xu * by_x + yu * by_y
+            first[k, 1, d] = xv * by_x + yv * by_y
+        if derivatives == 2:
+            for d in range(3):
+                by_xx, by_xy, by_yy = second_order(cache, c + 16 * d, x, y)
                 second[k, 0, d] = xu * xu * by_xx + 2 * xu * yu * by_xy + yu * yu * by_yy
                 second[k, 1, d] = xu * xv * by_xx + (xu * yv + xv * yu) * by_xy + yu * yv * by_yy
                 second[k, 2, d] = xv * xv * by_xx + 2 * xv * yv * by_xy + yv * yv * by_yy
+
+
+@kernel
+def first_outside(cell, uv, cells, slack):  # type: ignore[no-untyped-def]
+    """First point whose cell does not exist or whose (u, v) lies outside the triangle by more than `slack`; else -1."""
+    for k in range(len(cell)):
+        u, v = uv[k, 0], uv[k, 1]
+        if not (0 <= cell[k] < cells and u >= -slack and v >= -slack and u + v <= 1 + slack):
+            return k
+    return -1
 
 
 @kernel
@@ -210,6 +220,7 @@ def weights(patches, cell, uv, offsets, start, stop, derivative, columns, values
     powers_x = np.ones(5)
     powers_y = np.ones(5)
     monomial = np.zeros(16)
+    matrices, points = patches.matrices, patches.patch_points
     for k in range(start, stop):
         patch, block, x, y, xu, xv, yu, yv = locate(patches, cell[k], uv[k, 0], uv[k, 1])
         for i in range(1, 5):
@@ -233,6 +244,22 @@ def weights(patches, cell, uv, offsets, start, stop, derivative, columns, values
         for p in range(size):
             total = 0.0
             for r in range(15):
-                total += patches.matrices[begin + 16 * p + r] * monomial[r]
-            columns[offsets[k] + p] = patches.patch_points[patches.patch_offset[patch] + p]
+                total += matrices[begin + 16 * p + r] * monomial[r]
+            columns[offsets[k] + p] = points[patches.patch_offset[patch] + p]
             values[offsets[k] + p] = total
+
+
+@inlined_kernel
+def expand(patches, cell, u, v, out, cache, tags):  # type: ignore[no-untyped-def]
+    """Write S, Su, Sv, Suu, Suv, Svv into `out` (18,), three coordinates each."""
+    patch, block, x, y, xu, xv, yu, yv = locate(patches, cell, u, v)
+    c = coefficients(patches, patch, block, cache, tags)
+    for d in range(3):
+        value, by_x, by_y = first_order(cache, c + 16 * d, x, y)
+        by_xx, by_xy, by_yy = second_order(cache, c + 16 * d, x, y)
+        out[d] = value
+        out[3 + d] = xu * by_x + yu * by_y
+        out[6 + d] = xv * by_x + yv * by_y
+        out[9 + d] = xu * xu * by_xx + 2 * xu * yu * by_xy + yu * yu * by_yy
+        out[12 + d] = xu * xv * by_xx + (xu * yv + xv * yu) * by_xy + yu * yv * by_yy
+        out[15 + d] = xv * xv * by_xx + 2 * xv * yv * by_xy + yv * yv * by_yy

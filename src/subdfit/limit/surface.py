@@ -209,9 +209,7 @@ class LimitSurface:
         parameter = np.ascontiguousarray(np.asarray(uv, np.float64).reshape(-1, 2))
         if len(cell) != len(parameter):
             raise InputError(f"{len(cell)} faces but {len(parameter)} parameter pairs; give one pair a face")
-        if len(cell) and (cell.min() < 0 or cell.max() >= self.domain.face_count):
-            raise InputError(f"face outside 0..{self.domain.face_count - 1}")
-        outside = np.maximum(-parameter.min(axis=1, initial=0), parameter.sum(axis=1) - 1)
-        if not np.all(outside <= 1e-9):
-            raise InputError(f"parameters {parameter[np.argmax(~(outside <= 1e-9))]} lie outside the triangle")
+        bad = kernels.first_outside(cell, parameter, self.domain.face_count, 1e-9)
+        if bad >= 0:
+            raise InputError(f"row {bad}: face {cell[bad]} with parameters {parameter[bad]} is not on the surface")
         return cell, parameter

@@ -17,6 +17,8 @@ BISECTED = 1
 QUARTERED = 10
 SLIVER = 1e-6
 """A flip leaves no triangle with less than this share of the area of its two triangles."""
+ROUNDING = 1e-12
+"""Cosines that differ by less are taken as equal."""
 
 
 @kernel
@@ -33,7 +35,7 @@ def preceding(h):
 
 @kernel
 def rings(origin, twin, sides, out, degree):
-    """Fill `out` (a half-edge leaving each vertex, the boundary's where there is one) and `degree` (edges)."""
+    """Fill `degree` (edges of each vertex) and `out` (a half-edge leaving it, on the boundary if one is)."""
     out[:] = -1
     degree[:] = 0
     for h in range(sides):
@@ -208,7 +210,7 @@ def divide_faces(origin, twin, sharp, points, marked, middle, pattern, child, fi
 
 @kernel
 def quarter(origin, twin, sharp, f, new, ab, bc, ca):
-    """Cut face `f` in four: the corner triangles are ``new + slot`` and the middle, turned round, stays `f`."""
+    """Cut face `f` in four: corner triangles ``new + slot``, and the middle, turned round, in row `f`."""
     h, n = 3 * f, 3 * new
     a, b, c = origin[h], origin[h + 1], origin[h + 2]
     origin[n], origin[n + 1], origin[n + 2] = a, ab, ca
@@ -280,10 +282,10 @@ def follow_bisection(face, uv, p, g, slot):
 def follow_division(face, uv, pattern, child, start, stop):
     """Move the points ``start:stop`` from the old faces to the new: the place on the flat triangles stays."""
     for p in range(start, stop):
-        how = pattern[face[p]]
+        how = np.int64(pattern[face[p]])
         if how == 0:
             continue
-        new = child[face[p]]
+        new = np.int64(child[face[p]])
         if how < QUARTERED:
             slot, again = (how - BISECTED) % 3, (how - BISECTED) // 3
             moved = follow_bisection(face, uv, p, new, slot)
@@ -292,7 +294,8 @@ def follow_division(face, uv, pattern, child, start, stop):
             elif again == 2 and not moved:
                 follow_bisection(face, uv, p, new + 1, (slot + 2) % 3)
             continue
-        w, u, v = taken(uv, p, 0)
+        u, v = uv[p, 0], uv[p, 1]
+        w = 1.0 - u - v
         if w >= 0.5:
             face[p] = new
             put(uv, p, 0, 2.0 * w - 1.0, 2.0 * u, 2.0 * v)
@@ -316,35 +319,40 @@ def list_points(face, head, link):
 
 
 @kernel
-def follow_flip(face, uv, changed, head, link, h, t):
-    """Move the points of two faces whose common edge was turned: the quad is flattened to the unit square.
+def follow_flips(face, uv, changed, log, head, link):
+    """Move points with a series of flips, each given by its two half-edges (-1: none).
 
-    Corner a lies at (0, 0), d at (1, 0), b at (1, 1) and c at (0, 1); the edge ab becomes cd, which leaves
-    (a, d, c) in the face of `h` and (b, c, d) in that of `t`, each beginning at the slot of its half-edge.
+    The quad of the two faces is flattened to the unit square, corner a at (0, 0), d at (1, 0), b at (1, 1)
+    and c at (0, 1), and points keep their place in it. Edge ab of the faces abc, bad (from the slots of the
+    two half-edges on) becomes cd of adc, bcd.
     """
-    f, g, i, j = h // 3, t // 3, h % 3, t % 3
-    waiting = (head[f], head[g])
-    head[f] = head[g] = -1
-    for k in range(2):
-        p = waiting[k]
-        while p >= 0:
-            later = link[p]
-            if k == 0:
-                _, b, c = taken(uv, p, i)
-                x, y = b, b + c
-            else:
-                b, _, d = taken(uv, p, j)
-                x, y = b + d, b
-            home = f if x + y <= 1.0 else g
-            if home == f:
-                put(uv, p, i, 1.0 - x - y, x, y)
-            else:
-                put(uv, p, j, x + y - 1.0, 1.0 - x, 1.0 - y)
-            face[p] = home
-            changed[p] = True
-            link[p] = head[home]
-            head[home] = p
-            p = later
+    for n in range(len(log)):
+        if log[n, 0] < 0:
+            continue
+        f, g, i, j = log[n, 0] // 3, log[n, 1] // 3, log[n, 0] % 3, log[n, 1] % 3
+        waiting = (head[f], head[g])
+        head[f] = head[g] = -1
+        for k in range(2):
+            p = np.int64(waiting[k])
+            while p >= 0:
+                later = np.int64(link[p])
+                if k == 0:
+                    _, b, c = taken(uv, p, i)
+                    x, y = b, b + c
+                else:
+                    b, _, d = taken(uv, p, j)
+                    x, y = b + d, b
+                if x + y <= 1.0:
+                    put(uv, p, i, 1.0 - x - y, x, y)
+                    home = f
+                else:
+                    put(uv, p, j, x + y - 1.0, 1.0 - x, 1.0 - y)
+                    home = g
+                face[p] = home
+                changed[p] = True
+                link[p] = head[home]
+                head[home] = p
+                p = later
 
 
 # Flips.
@@ -378,15 +386,16 @@ def faces_on(points, a, d, c, b, cos_turn):
 
 
 @kernel
-def may_flip(origin, twin, sharp, out, degree, points, h, cos_turn):
-    """Whether the edge of `h` may turn: a smooth inner edge, the new edge new, valences and faces sound."""
+def may_flip(origin, twin, sharp, out, points, h, cos_turn):
+    """Whether the edge of `h` may turn: it is smooth and inner, the new edge is new, and the faces are sound.
+
+    No valence falls below 3: the neighbours of a vertex with three edges are joined already.
+    """
     t = np.int64(twin[h])
     if t < 0 or sharp[h] > 0.0:
         return False
     bc, ca, ad, db = following(h), preceding(h), following(t), preceding(t)
     a, b, c, d = origin[h], origin[t], origin[ca], origin[db]
-    if degree[a] <= 3 or degree[b] <= 3:
-        return False
     # A sector between two curves keeps at least two triangles, or the limit surface has a spike there.
     if hard(twin, sharp, ca) and hard(twin, sharp, ad):
         return False
@@ -394,13 +403,12 @@ def may_flip(origin, twin, sharp, out, degree, points, h, cos_turn):
         return False
     if not faces_on(points, a, d, c, b, cos_turn):
         return False
-    return side_between(origin, twin, out, c, d) < 0
+    return side_between(origin, twin, out, np.int64(c), np.int64(d)) < 0
 
 
 @kernel
-def flip(origin, twin, sharp, out, degree, h):
-    """Turn the edge ab of `h` in abc, bad to cd: adc keeps the row of abc, bcd that of bad; return the twin of `h`."""
-    t = np.int64(twin[h])
+def flip(origin, twin, sharp, out, degree, touched, h, t):
+    """Turn the common edge ab of abc (side `h`) and bad (side `t`) to cd: adc and bcd keep their rows."""
     bc, ad = following(h), following(t)
     a, b, c, d = origin[h], origin[t], origin[preceding(h)], origin[preceding(t)]
     if out[a] == ad:
@@ -421,13 +429,15 @@ def flip(origin, twin, sharp, out, degree, h):
     degree[b] -= 1
     degree[c] += 1
     degree[d] += 1
-    return t
+    for v in (a, b, c, d):
+        touched[v] = True
 
 
 @kernel
 def largest_cosine(points, a, b, c):
     """Cosine of the smallest angle of a triangle; 1 when two corners coincide."""
-    bc, ca, ab = distance_squared(points, b, c), distance_squared(points, c, a), distance_squared(points, a, b)
+    bc, ca = distance_squared(points, b, c), distance_squared(points, c, a)
+    ab = distance_squared(points, a, b)
     if min(bc, ca, ab) == 0.0:
         return 1.0
     at_a = (ca + ab - bc) / math.sqrt(ca * ab)
@@ -437,33 +447,35 @@ def largest_cosine(points, a, b, c):
 
 
 @kernel
-def flip_pairs(origin, twin, sharp, out, degree, points, touched, face, uv, changed, head, link, pairs, cos_turn):
-    """Flip the edges named by their end vertices, in order, where they may; return which were."""
-    done = np.zeros(len(pairs), np.bool_)
+def flip_pairs(pairs, cos_turn, origin, twin, sharp, out, degree, points, touched):
+    """Flip the edges named by their end vertices, in order, where they may.
+
+    Return the two half-edges of each flip, (k, 2), -1 where it was refused.
+    """
+    log = np.full((len(pairs), 2), -1, np.int64)
     for k in range(len(pairs)):
         h = side_between(origin, twin, out, pairs[k, 0], pairs[k, 1])
-        if h < 0 or not may_flip(origin, twin, sharp, out, degree, points, h, cos_turn):
+        if h < 0 or not may_flip(origin, twin, sharp, out, points, h, cos_turn):
             continue
-        t = flip(origin, twin, sharp, out, degree, h)
-        follow_flip(face, uv, changed, head, link, h, t)
-        for s in range(3):
-            touched[origin[3 * (h // 3) + s]] = True
-        touched[origin[t]] = True
-        done[k] = True
-    return done
+        t = np.int64(twin[h])
+        flip(origin, twin, sharp, out, degree, touched, h, t)
+        log[k, 0], log[k, 1] = h, t
+    return log
 
 
 @kernel
 def flip_sweeps(
-    origin, twin, sharp, out, degree, points, touched, face, uv, changed, head, link,
-    optimal, region, sides, angles, max_rise, cos_turn, max_sweeps,
+    sides, optimal, region, angles, max_rise, cos_turn, max_sweeps,
+    origin, twin, sharp, out, degree, points, touched,
 ):  # fmt: skip
-    """Sweep over all edges with a vertex of their two faces in `region`, flipping where it pays; return the flips.
+    """Sweep over all edges with a vertex of their two faces in `region`, flipping where it pays.
 
     It pays when the sum of squared differences of the valences to `optimal` rises by at most `max_rise` and,
     if `angles`, the smallest angle grows. After the first sweep only edges near the last flips are looked at.
+    Return the two half-edges of each flip, (k, 2).
     """
     last_touch = np.zeros(len(region), np.int64)
+    log = np.empty((64, 2), np.int64)
     flips = 0
     for sweep in range(1, max_sweeps + 1):
         before = flips
@@ -483,16 +495,17 @@ def flip_sweeps(
             if angles:
                 now = max(largest_cosine(points, a, b, c), largest_cosine(points, b, a, d))
                 then = max(largest_cosine(points, a, d, c), largest_cosine(points, b, c, d))
-                if not then < now - 1e-12:
+                if not then < now - ROUNDING:
                     continue
-            if not may_flip(origin, twin, sharp, out, degree, points, h, cos_turn):
+            if not may_flip(origin, twin, sharp, out, points, h, cos_turn):
                 continue
-            flip(origin, twin, sharp, out, degree, h)
-            follow_flip(face, uv, changed, head, link, h, t)
+            flip(origin, twin, sharp, out, degree, touched, h, t)
             for v in (a, b, c, d):
-                touched[v] = True
                 last_touch[v] = sweep
+            if flips == len(log):
+                log = np.concatenate((log, log))
+            log[flips, 0], log[flips, 1] = h, t
             flips += 1
         if flips == before:
             break
-    return flips
+    return log[:flips].copy()

@@ -1,6 +1,7 @@
 """One mutable triangle mesh for thousands of local edits: split, flip; surface points are carried along."""
 
-from collections.abc import Callable
+# mypy: allow-untyped-calls
+
 from dataclasses import dataclass
 from typing import Any
 
@@ -118,17 +119,13 @@ class MeshEditor:
 
     @property
     def points(self) -> NDArray[np.float64]:
-        """Vertex positions, (n, 3), a read-only view until the next split."""
-        view = self._points[: self._vertices]
-        view.flags.writeable = False
-        return view
+        """Copy of the vertex positions, (n, 3)."""
+        return self._points[: self._vertices].copy()
 
     @property
     def triangles(self) -> NDArray[np.int32]:
-        """Corner rows of the faces, (m, 3), a read-only view until the next edit."""
-        view = self._origin[: 3 * self._faces].reshape(-1, 3)
-        view.flags.writeable = False
-        return view
+        """Copy of the corner rows of the faces, (m, 3)."""
+        return self._origin[: 3 * self._faces].reshape(-1, 3).copy()
 
     def place(self, vertices: ArrayLike, positions: ArrayLike) -> None:
         """Move vertices.
@@ -153,9 +150,7 @@ class MeshEditor:
         ----------
         mask : (m,) bool, the faces to split.
         """
-        chosen = np.asarray(mask)
-        if chosen.dtype != np.bool_ or chosen.shape != (self._faces,):
-            raise InputError(f"the mask of faces has shape {chosen.shape}: give {self._faces} booleans")
+        chosen = _mask(mask, (self._faces,), "faces to split")
         marked = self._both_sides(np.repeat(chosen, 3))
         kernels.complete_marks(self._twin, marked, self._faces)
         return self._split(marked)
@@ -167,15 +162,14 @@ class MeshEditor:
 
         Parameters
         ----------
-        edges : (k, 2) int rows of points, or (m, 3) bool: side s of a face runs from its corner s to the next.
+        edges : (k, 2) int rows of points, or (m, 3) bool: side s of a face begins at its corner s.
         """
         chosen = np.asarray(edges)
         if chosen.dtype == np.bool_:
-            if chosen.shape != (self._faces, 3):
-                raise InputError(f"the mask of sides has shape {chosen.shape}: give ({self._faces}, 3) booleans")
-            return self._split(self._both_sides(chosen.ravel()))
-        marked = np.zeros(3 * self._faces, np.bool_)
-        marked[self._sides(_pairs(chosen), "edge to split")] = True
+            marked = _mask(chosen, (self._faces, 3), "sides to split").ravel()
+        else:
+            marked = np.zeros(3 * self._faces, np.bool_)
+            marked[self._sides(_pairs(chosen), "edge to split")] = True
         return self._split(self._both_sides(marked))
 
     def _both_sides(self, marked: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -187,10 +181,11 @@ class MeshEditor:
         old_twin = self._twin[: 3 * m].copy()
         old_sharp = self._sharp[: 3 * m].copy()
         halved = np.flatnonzero(marked & ((old_twin < 0) | (np.arange(3 * m) < old_twin)))
-        in_faces = marked.reshape(m, 3)
-        self._touched[self.triangles[in_faces.any(axis=1)]] = True
-        affected = np.unique(self.triangles[in_faces.all(axis=1)]).astype(np.int64)
-        self._reserve(n + len(halved), m + int(marked.sum()))
+        vertices, faces = n + len(halved), m + int(marked.sum())
+        old, sides = self.triangles, marked.reshape(m, 3)
+        self._touched[old[sides.any(axis=1)]] = True
+        affected = np.unique(old[sides.all(axis=1)]).astype(np.int64)
+        self._reserve(vertices, faces)
 
         middle = np.full(3 * m, -1, np.int32)
         kernels.place_middles(self._origin, self._twin, marked, self._points, n, middle, self._parents)
@@ -200,43 +195,46 @@ class MeshEditor:
             self._origin, self._twin, self._sharp, self._points, marked, middle, pattern, child, first, second
         )
         kernels.join_sides(self._twin, self._sharp, old_twin, old_sharp, marked, first, second)
-        self._vertices, self._faces = n + len(halved), m + int(marked.sum())
-        self._corner[n : self._vertices] = 0.0
-        self._given_valence[n : self._vertices] = 0
-        self._touched[n : self._vertices] = True
+        self._vertices, self._faces = vertices, faces
+        self._corner[n:vertices] = 0.0
+        self._given_valence[n:vertices] = 0
+        self._touched[n:vertices] = True
         self._refresh_rings()
-        self._in_chunks(lambda i, j: kernels.follow_division(self._face, self._uv, pattern, child, i, j))
-        return Split(n, self._parents[n : self._vertices].copy(), halved, affected)
+
+        def follow(start: int, stop: int) -> None:
+            kernels.follow_division(self._face, self._uv, pattern, child, start, stop)
+
+        map_chunks(follow, len(self._face), CHUNK)
+        return Split(n, self._parents[n:vertices].copy(), halved, affected)
 
     # Flips
 
     def flip(self, edges: ArrayLike) -> NDArray[np.bool_]:
         """Flip edges in the given order, each unless it may not; return which were flipped, (k,) bool.
 
-        Refused are: edges of the boundary and creases; an edge whose new ends are joined already; a vertex left
-        with fewer than three edges, or with a single triangle between two boundary or crease edges; new
+        Refused are: edges of the boundary and creases; an edge whose new ends are joined already; a vertex
+        left with fewer than three edges, or with a single triangle between two boundary or crease edges; new
         triangles that turn over (see `max_turn`) or are slivers.
 
         Parameters
         ----------
         edges : (k, 2) int rows of points.
         """
-        pairs = _pairs(edges)
-        if len(pairs) and not (0 <= pairs.min() and pairs.max() < self._vertices):
-            raise InputError(f"an edge to flip names vertex {pairs.max()} of {self._vertices}: give rows of points")
-        flipped: NDArray[np.bool_] = kernels.flip_pairs(*self._flip_state(), pairs, self._cos_turn)
-        return flipped
+        pairs = _rows(_pairs(edges), self._vertices, "an edge to flip names vertex")
+        log = kernels.flip_pairs(pairs, self._cos_turn, *self._flip_state())
+        self._follow_flips(log)
+        return np.asarray(log[:, 0] >= 0)
 
     def regularise_connectivity(self, region: ArrayLike | None = None, *, max_sweeps: int = 100) -> int:
         """Flip edges while that lowers the sum R of squared valence defects; return the number of flips.
 
-        R(M) = sum (d(v) - d_opt(v))^2 with d_opt 6, on the boundary 4 (Nishiyama et al. 2008, section 5, after
-        Surazhsky and Gotsman 2003); a tagged corner keeps the valence it was given with.
+        R(M) = sum (d(v) - d_opt(v))^2 with d_opt 6, on the boundary 4 (Nishiyama et al. 2008, section 5,
+        after Surazhsky and Gotsman 2003); for a tagged corner d_opt is the valence it was given with.
 
         Parameters
         ----------
-        region : (n,) bool; only edges of which an end or an opposite vertex lies in it are flipped. None: all.
-        max_sweeps : bound on the passes over the edges; each after the first looks near the last flips only.
+        region : (n,) bool; only edges with an end or an opposite vertex in it are flipped. None: all edges.
+        max_sweeps : bound on the passes over the edges; each but the first looks near the last flips only.
         """
         return self._sweep(region, angles=False, max_rise=-1, max_sweeps=max_sweeps)
 
@@ -250,9 +248,8 @@ class MeshEditor:
         region, max_sweeps : as for `regularise_connectivity`.
         max_rise : the most by which one flip may raise R; None, as in Nishiyama et al. 2008, does not ask.
         """
-        return self._sweep(
-            region, angles=True, max_rise=ANY_RISE if max_rise is None else max_rise, max_sweeps=max_sweeps
-        )
+        bound = ANY_RISE if max_rise is None else max_rise
+        return self._sweep(region, angles=True, max_rise=bound, max_sweeps=max_sweeps)
 
     def irregularity(self) -> int:
         """Return R(M), the sum of squared differences between the valences and the optimal ones."""
@@ -261,27 +258,25 @@ class MeshEditor:
         return int(defect @ defect)
 
     def _sweep(self, region: ArrayLike | None, *, angles: bool, max_rise: int, max_sweeps: int) -> int:
-        where = np.ones(self._vertices, np.bool_) if region is None else np.ascontiguousarray(region)
-        if where.dtype != np.bool_ or where.shape != (self._vertices,):
-            raise InputError(f"the region has shape {where.shape}: give {self._vertices} booleans, one a vertex")
-        return int(
-            kernels.flip_sweeps(
-                *self._flip_state(),
-                self._optimal_valence(),
-                where,
-                3 * self._faces,
-                angles,
-                max_rise,
-                self._cos_turn,
-                max_sweeps,
-            )
+        n = self._vertices
+        where = np.ones(n, np.bool_) if region is None else _mask(region, (n,), "vertices of the region")
+        optimal, last = self._optimal_valence(), 3 * self._faces
+        log = kernels.flip_sweeps(
+            last, optimal, where, angles, max_rise, self._cos_turn, max_sweeps, *self._flip_state()
         )
+        self._follow_flips(log)
+        return len(log)
 
     def _flip_state(self) -> tuple[NDArray[Any], ...]:
+        connectivity = (self._origin, self._twin, self._sharp, self._out, self._degree)
+        return (*connectivity, self._points, self._touched)
+
+    def _follow_flips(self, log: NDArray[np.int64]) -> None:
+        if len(self._face) == 0 or len(log) == 0:
+            return
         head, link = np.empty(self._faces, np.int32), np.empty(len(self._face), np.int32)
         kernels.list_points(self._face, head, link)
-        mesh = (self._origin, self._twin, self._sharp, self._out, self._degree, self._points, self._touched)
-        return (*mesh, self._face, self._uv, self._changed, head, link)
+        kernels.follow_flips(self._face, self._uv, self._changed, log, head, link)
 
     def _optimal_valence(self) -> NDArray[np.int32]:
         n = self._vertices
@@ -294,8 +289,8 @@ class MeshEditor:
     def carry(self, face: ArrayLike, uv: ArrayLike) -> None:
         """Register surface points, in place of any before; every later edit moves them.
 
-        A split keeps a point's place on the flat triangles when new vertices lie at midpoints. A flip keeps its
-        place in the quad of the two triangles, flattened to a unit square.
+        A split keeps a point's place on the flat triangles when new vertices lie at midpoints. A flip keeps
+        its place in the quad of the two triangles, flattened to a unit square.
 
         Parameters
         ----------
@@ -304,18 +299,18 @@ class MeshEditor:
         """
         faces, parameters = np.array(face, np.int32), np.array(uv, np.float64, order="C")
         if faces.ndim != 1 or parameters.shape != (len(faces), 2):
-            raise InputError(f"carried points have {faces.shape} faces and {parameters.shape} uv: give (k,) and (k, 2)")
-        if len(faces) and not (0 <= faces.min() and faces.max() < self._faces):
-            raise InputError(f"a carried point names face {faces.max()} of {self._faces}: give rows of triangles")
+            raise InputError(f"{faces.shape} faces carry {parameters.shape} parameters: give (k,) and (k, 2)")
+        _rows(faces, self._faces, "a carried point names face")
         self._face, self._uv = faces, parameters
         self._changed = np.zeros(len(faces), np.bool_)
 
     def carried(self) -> tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.bool_]]:
-        """Return copies of the carried points' face (k,), uv (k, 2), and changed (k,): whether a flip moved it."""
-        return self._face.copy(), self._uv.copy(), self._changed.copy()
+        """Return copies of the carried points' face (k,), uv (k, 2) and changed (k,).
 
-    def _in_chunks(self, job: Callable[[int, int], None]) -> None:
-        map_chunks(job, len(self._face), CHUNK)
+        `changed` marks points whose own face was flipped since `carry`; flips and splits near by alter the
+        smooth surface under others too: those have a `touched` vertex among the control points of their patch.
+        """
+        return self._face.copy(), self._uv.copy(), self._changed.copy()
 
     # Looking back
 
@@ -334,8 +329,8 @@ class MeshEditor:
         ends = np.stack([origin[sides], origin[sides - sides % 3 + (sides + 1) % 3]], axis=1)
         corners = np.flatnonzero(self._corner[: self._vertices])
         return Frozen(
-            points=self.points.copy(),
-            triangles=self.triangles.copy(),
+            points=self.points,
+            triangles=self.triangles,
             crease_edges=ends,
             crease_sharpness=self._sharp[sides],
             corners=corners,
@@ -356,18 +351,14 @@ class MeshEditor:
 
     def _sides(self, pairs: NDArray[np.int64], what: str) -> NDArray[np.int64]:
         """One half-edge of each edge that `pairs` names."""
-        rows = self.triangles
-        keys = rows.astype(np.int64) * self._vertices + np.roll(rows, -1, axis=1)
-        order = np.argsort(keys, axis=None)
-        in_order = keys.ravel()[order]
-        found = np.full(len(pairs), -1)
-        for a, b in ((pairs[:, 1], pairs[:, 0]), (pairs[:, 0], pairs[:, 1])):
-            at = np.minimum(np.searchsorted(in_order, a * self._vertices + b), len(order) - 1)
-            inside = (pairs >= 0).all(axis=1) & (pairs < self._vertices).all(axis=1)
-            found = np.where(inside & (in_order[at] == a * self._vertices + b), order[at], found)
+        n, rows = self._vertices, self.triangles.astype(np.int64)
+        keys = (rows * n + np.roll(rows, -1, axis=1)).ravel()
+        a, b = _rows(pairs, n, f"a {what} names vertex").T
+        there, back = _find(keys, a * n + b), _find(keys, b * n + a)
+        found = np.where(there >= 0, there, back)
         if (found < 0).any():
-            a, b = pairs[np.argmin(found)]
-            raise InputError(f"{what} ({a}, {b}) is not an edge of the mesh: name two vertices of one triangle")
+            k = found.argmin()
+            raise InputError(f"{what} ({a[k]}, {b[k]}) is no edge of the mesh: name two joined vertices")
         return found
 
     def _set_creases(self, pairs: NDArray[np.int64], sharpness: ArrayLike | None) -> None:
@@ -379,21 +370,18 @@ class MeshEditor:
 
     def _set_corners(self, corners: ArrayLike | None, sharpness: ArrayLike | None) -> None:
         rows = np.asarray([] if corners is None else corners).astype(np.int64).reshape(-1)
-        if len(rows) and not (0 <= rows.min() and rows.max() < self._vertices):
-            raise InputError(f"a corner names vertex {rows.max()} of {self._vertices}: give rows of points")
+        _rows(rows, self._vertices, "a corner names vertex")
         self._corner[rows] = _sharpness(sharpness, len(rows), "corner")
 
 
 def _checked_triangles(points: NDArray[np.float64], triangles: NDArray[Any]) -> NDArray[np.int64]:
     if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
-        raise InputError(f"the points have shape {points.shape} or are not finite: give (n, 3) finite numbers")
+        raise InputError(f"the points are {points.shape} or not all finite: give (n, 3) finite numbers")
     if triangles.ndim != 2 or triangles.shape[1] != 3 or not np.issubdtype(triangles.dtype, np.integer):
         raise InputError(f"the triangles have shape {triangles.shape}: give (m, 3) integers")
     if len(triangles) == 0:
         raise InputError("the mesh has no triangles: give one at least")
-    rows = triangles.astype(np.int64)
-    if rows.min() < 0 or rows.max() >= len(points):
-        raise InputError(f"a triangle names a vertex outside 0 to {len(points) - 1}: give rows of points")
+    rows = _rows(triangles.astype(np.int64), len(points), "a triangle names vertex")
     repeated = (rows == np.roll(rows, -1, axis=1)).any(axis=1)
     if repeated.any():
         raise InputError(f"triangle {repeated.argmax()} repeats a vertex: remove it")
@@ -404,23 +392,39 @@ def _twins(triangles: NDArray[np.int64], vertices: int) -> NDArray[np.int32]:
     """Opposite half-edge of each, -1 on the boundary."""
     a, b = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
     keys = a * vertices + b
-    order = np.argsort(keys)
-    in_order = keys[order]
-    again = np.flatnonzero(in_order[1:] == in_order[:-1])
-    if len(again):
-        h = order[again[0]]
-        raise InputError(
-            f"edge ({a[h]}, {b[h]}) runs the same way in two triangles: orient them alike, two to an edge"
-        )
-    wanted = b * vertices + a
-    at = np.minimum(np.searchsorted(in_order, wanted), len(order) - 1)
-    twin = np.where(in_order[at] == wanted, order[at], -1)
+    again = _find(keys, keys) != np.arange(len(keys))
+    if again.any():
+        h = again.argmax()
+        raise InputError(f"edge ({a[h]}, {b[h]}) runs the same way in two triangles: orient them alike")
+    twin = _find(keys, b * vertices + a)
     apex = np.roll(triangles, 1, axis=1).ravel()
     same = (twin >= 0) & (apex == apex[twin])
     if same.any():
         h = int(same.argmax())
         raise InputError(f"triangles {h // 3} and {twin[h] // 3} have the same corners: remove one")
     return twin.astype(np.int32)
+
+
+def _find(keys: NDArray[np.int64], wanted: NDArray[np.int64]) -> NDArray[np.int64]:
+    """First row of `keys` that holds each wanted key, -1 where none does."""
+    order = np.argsort(keys, kind="stable")
+    at = order[np.minimum(np.searchsorted(keys, wanted, sorter=order), len(keys) - 1)]
+    return np.where(keys[at] == wanted, at, -1)
+
+
+def _rows(rows: NDArray[Any], count: int, what: str) -> NDArray[Any]:
+    """The rows, checked to lie in ``range(count)``."""
+    outside = rows[(rows < 0) | (rows >= count)]
+    if len(outside):
+        raise InputError(f"{what} {outside[0]}, of {count}: give rows from 0 to {count - 1}")
+    return rows
+
+
+def _mask(mask: ArrayLike, shape: tuple[int, ...], what: str) -> NDArray[np.bool_]:
+    chosen = np.ascontiguousarray(mask)
+    if chosen.dtype != np.bool_ or chosen.shape != shape:
+        raise InputError(f"the mask of {what} is {chosen.dtype} {chosen.shape}: give bool {shape}")
+    return chosen
 
 
 def _pairs(edges: ArrayLike | None) -> NDArray[np.int64]:

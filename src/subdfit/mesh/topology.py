@@ -101,7 +101,17 @@ class Topology:
             vertices = np.asarray(corner_vertices, np.int64)
             corner_tags[vertices] = _tags(corner_sharpness, len(vertices))
         return cls(
-            vertex_count, offsets, corners, following, face, twin, edge, outgoing, valence, sharpness, corner_tags
+            vertex_count,
+            offsets,
+            corners,
+            following,
+            face,
+            twin,
+            edge,
+            outgoing,
+            valence,
+            sharpness,
+            corner_tags,
         )
 
     @classmethod
@@ -175,5 +185,7 @@ def _find_edges(
     found[found] = keys[order[slots[found]]] == wanted[found]
     if not found.all():
         first = pairs[np.flatnonzero(~found)[0]]
-        raise InputError(f"crease ({first[0]}, {first[1]}) is not an edge of the mesh; remove the tag or mend the faces")
+        raise InputError(
+            f"crease ({first[0]}, {first[1]}) is not an edge of the mesh; remove the tag or mend the faces"
+        )
     return edge[order[slots]].astype(np.int64)

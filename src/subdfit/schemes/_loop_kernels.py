@@ -51,7 +51,11 @@ def child_faces(face_vertices, edge, vertex_count):  # type: ignore[no-untyped-d
     children = np.empty((4 * count, 3), np.int32)
     for f in range(count):
         a, b, c = face_vertices[3 * f], face_vertices[3 * f + 1], face_vertices[3 * f + 2]
-        ab, bc, ca = vertex_count + edge[3 * f], vertex_count + edge[3 * f + 1], vertex_count + edge[3 * f + 2]
+        ab, bc, ca = (
+            vertex_count + edge[3 * f],
+            vertex_count + edge[3 * f + 1],
+            vertex_count + edge[3 * f + 2],
+        )
         children[4 * f, 0], children[4 * f, 1], children[4 * f, 2] = a, ab, ca
         children[4 * f + 1, 0], children[4 * f + 1, 1], children[4 * f + 1, 2] = ab, b, bc
         children[4 * f + 2, 0], children[4 * f + 2, 1], children[4 * f + 2, 2] = ca, bc, c
@@ -119,7 +123,19 @@ def regular_ring(h, out, sizes, at, face_vertices, twin, sharp, mirrors, mirror_
 
 @kernel
 def patch_points(  # type: ignore[no-untyped-def]
-    chosen, corner, start, sizes, face_vertices, twin, sharp, sharp_count, first, faces, mirrors, mirror_corners, used
+    chosen,
+    corner,
+    start,
+    sizes,
+    face_vertices,
+    twin,
+    sharp,
+    sharp_count,
+    first,
+    faces,
+    mirrors,
+    mirror_corners,
+    used,
 ):
     """Write the points of each chosen face's patch.
 

@@ -316,9 +316,7 @@ def _mirror_matrix(corners: NDArray[np.int32], vertex_count: int) -> sp.csr_arra
     return sp.csr_array((values, (rows, corners.ravel())), shape=(len(corners), vertex_count))
 
 
-def _only_used(
-    matrix: sp.csr_array, patches: list[_Patches], control: int
-) -> tuple[sp.csr_array, NDArray[np.int32]]:
+def _only_used(matrix: sp.csr_array, patches: list[_Patches], control: int) -> tuple[sp.csr_array, NDArray[np.int32]]:
     """Drop local points that no patch lists."""
     points = np.concatenate([p.points for p in patches])
     used = np.zeros(matrix.shape[0], np.bool_)

@@ -1,1 +1,1 @@
-"""TBD."""
+"""What is known of the data: searches, normals, features, faceting, samples."""

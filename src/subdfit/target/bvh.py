@@ -1,13 +1,18 @@
 """Closest points on triangles and on polylines, by a bounding-volume hierarchy."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.errors import InputError
 from subdfit.parallel import map_chunks
+from subdfit.target import _bvh_build_kernels as building
 from subdfit.target import _bvh_kernels as kernels
+
+S = TypeVar("S", bound=np.generic)
 
 _CHUNK = 4096
 _PACK_CHUNK = 65536
@@ -45,11 +50,20 @@ class ClosestOnSegments:
     distance: NDArray[np.float64]
 
 
+def _require(array: NDArray[Any] | Sequence[Any], dtype: type[S]) -> NDArray[S]:
+    """Return the array as kernels want it: contiguous and writeable, or they would be compiled once more."""
+    return np.require(array, dtype, ["C", "W", "A"])
+
+
 def _finite(points: NDArray[np.float64], what: str) -> NDArray[np.float64]:
-    points = np.ascontiguousarray(points, np.float64)
-    if not np.all(np.isfinite(points)):
-        row = int(np.argmin(np.isfinite(points).all(axis=1)))
-        raise InputError(f"{what} {row} has a coordinate that is not finite; remove it before asking for closest points")
+    """Points (n, 3) fit for a kernel; beyond 1e150 squared distances would overflow."""
+    points = _require(points, np.float64)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise InputError(f"a {what} needs three coordinates; got an array of shape {points.shape}")
+    good = np.abs(points) < 1e150
+    if not np.all(good):
+        row = int(np.argmin(good.all(axis=1)))
+        raise InputError(f"{what} {row} has a coordinate that is not finite or too large; remove it or rescale")
     return points
 
 
@@ -58,7 +72,7 @@ class TriangleTree:
 
     Built top-down by the surface-area heuristic over bins (Wald 2007) in O(m log m); the same input gives
     the same tree. Kernels that search inside their own loops take the arrays `boxes`, `children`,
-    `corners`, `rows`, `slots` and `inflation` as described in ``_bvh_kernels.py``.
+    `corners`, `rows`, `slots` and `inflation` as described in ``_bvh_build_kernels.py``.
 
     Parameters
     ----------
@@ -80,18 +94,18 @@ class TriangleTree:
         *,
         inflation: NDArray[np.float64] | None = None,
     ) -> None:
-        points = _finite(points, "point of the triangles")
+        points = _finite(points, "point")
         if len(triangles) == 0:
             raise InputError("closest points need at least one triangle; got none")
         if np.min(triangles) < 0 or np.max(triangles) >= len(points):
             raise InputError(f"a triangle refers to a point outside 0..{len(points) - 1}; check the faces")
         count = len(triangles)
-        self.triangles = np.ascontiguousarray(triangles, np.int32)
-        self.inflation = np.zeros(count) if inflation is None else np.ascontiguousarray(inflation, np.float64)
+        self.triangles = _require(triangles, np.int32)
+        self.inflation = np.zeros(count) if inflation is None else _require(inflation, np.float64)
         self.rows = np.arange(count, dtype=np.int32)
         boxes = np.empty((max(count - 1, 1), 2, 6))
         children = np.empty((max(count - 1, 1), 2), np.int32)
-        nodes = kernels.build(self._triangle_boxes(points), self.rows, boxes, children)
+        nodes = building.build(self._triangle_boxes(points), self.rows, boxes, children)
         self.boxes, self.children = boxes[:nodes].copy(), children[:nodes].copy()
         self.corners = np.empty((count, 9))
         self._pack(points)
@@ -102,7 +116,7 @@ class TriangleTree:
         boxes = np.empty((len(self.rows), 6))
 
         def job(start: int, stop: int) -> None:
-            kernels.triangle_boxes(points, self.triangles, self.inflation, start, stop, boxes)
+            building.triangle_boxes(points, self.triangles, self.inflation, start, stop, boxes)
 
         map_chunks(job, len(self.rows), _PACK_CHUNK)
         return boxes
@@ -111,21 +125,19 @@ class TriangleTree:
         """Write the corners in leaf order."""
 
         def job(start: int, stop: int) -> None:
-            kernels.pack_corners(points, self.triangles, self.rows, start, stop, self.corners)
+            building.pack_corners(points, self.triangles, self.rows, start, stop, self.corners)
 
         map_chunks(job, len(self.rows), _PACK_CHUNK)
 
-    def refit(
-        self, points: NDArray[np.float64], *, inflation: NDArray[np.float64] | None = None
-    ) -> None:
+    def refit(self, points: NDArray[np.float64], *, inflation: NDArray[np.float64] | None = None) -> None:
         """Move the triangles to new points, (n, 3) float64, in linear time; the tree's shape stays.
 
         Searches stay exact but slow down as the points leave the places for which the tree was built.
         """
         if inflation is not None:
-            self.inflation = np.ascontiguousarray(inflation, np.float64)
-        self._pack(_finite(points, "point of the triangles"))
-        kernels.refit(self.children, self.corners, self.rows, self.inflation, self.boxes)
+            self.inflation = _require(inflation, np.float64)
+        self._pack(_finite(points, "point"))
+        building.refit(self.children, self.corners, self.rows, self.inflation, self.boxes)
 
     def closest(self, queries: NDArray[np.float64], *, start: NDArray[np.int32] | None = None) -> Closest:
         """Closest points on the triangles.
@@ -138,7 +150,7 @@ class TriangleTree:
             which of several equally near triangles is named.
         """
         queries = _finite(queries, "query")
-        guess = np.full(len(queries), -1, np.int32) if start is None else np.ascontiguousarray(start, np.int32)
+        guess = np.full(len(queries), -1, np.int32) if start is None else _require(start, np.int32)
         order = self._coherent_order(queries)
         triangle = np.empty(len(queries), np.int32)
         uv = np.empty((len(queries), 2))
@@ -158,10 +170,16 @@ class TriangleTree:
         if len(queries) == 0:
             return np.empty(0, np.int64)
         low, high = queries.min(axis=0), queries.max(axis=0)
-        scale = 1024.0 / max(float(np.max(high - low)), np.finfo(float).tiny)
+        extent = float(np.max(high - low))
+        scale = 1024.0 / extent if extent > 1e-150 else 0.0
         codes = np.empty(len(queries), np.uint32)
-        map_chunks(lambda a, b: kernels.morton_codes(queries, low, scale, a, b, codes), len(queries), _PACK_CHUNK)
-        return np.argsort(codes)
+
+        def job(first: int, last: int) -> None:
+            kernels.morton_codes(queries, low, scale, first, last, codes)
+
+        map_chunks(job, len(queries), _PACK_CHUNK)
+        order: NDArray[np.int64] = np.argsort(codes)
+        return order
 
     def within(
         self, queries: NDArray[np.float64], radii: NDArray[np.float64]
@@ -179,7 +197,7 @@ class TriangleTree:
         triangle : int32, those with ``distance - inflation <= radius``, in no particular order.
         bound : float64, their ``distance - inflation``.
         """
-        queries, radii = np.ascontiguousarray(queries, np.float64), np.ascontiguousarray(radii, np.float64)
+        queries, radii = _finite(queries, "query"), _require(radii, np.float64)
         offsets = np.zeros(len(queries) + 1, np.int64)
         counts = self._collect(queries, radii, offsets, np.empty(0, np.int32), np.empty(0))
         np.cumsum(counts, out=offsets[1:])

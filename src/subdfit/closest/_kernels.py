@@ -1,0 +1,235 @@
+"""Footpoints by Newton's method on the limit surface, walking from cell to cell."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from subdfit.compiled import inlined_kernel, kernel
+from subdfit.limit._kernels import SLOTS, expand
+
+MAX_CROSSINGS = 16
+BACKTRACKS = 8
+ON_SIDE = 1e-12
+"""Parameters this near a side are on it."""
+POSITIVE = 0.05
+"""The Hessian counts as positive when its determinant exceeds this share of the metric's."""
+
+
+class Cells(NamedTuple):
+    """The arrays of a `Domain` that walking needs."""
+
+    neighbour: np.ndarray
+    neighbour_side: np.ndarray
+    sharp: np.ndarray
+
+
+@inlined_kernel
+def from_side(side, u, v, w):  # type: ignore[no-untyped-def]
+    """Barycentric values (w, u, v) turned so that `side` runs from the first to the second."""
+    if side == 0:
+        return w, u, v
+    if side == 1:
+        return u, v, w
+    return v, w, u
+
+
+@inlined_kernel
+def cross(cells, cell, side, u, v, du, dv):  # type: ignore[no-untyped-def]
+    """Continue beyond a side: the two triangles are unfolded to a parallelogram, as regular parameters are."""
+    b0, b1, b2 = from_side(side, u, v, 1 - u - v)
+    d0, d1, d2 = from_side(side, du, dv, -du - dv)
+    # Our corners i, i + 1 are the neighbour's j + 1, j; its third mirrors ours.
+    n0, n1, n2 = b1 + b2, b0 + b2, -b2
+    e0, e1, e2 = d1 + d2, d0 + d2, -d2
+    other = cells.neighbour[cell, side]
+    j = cells.neighbour_side[cell, side]
+    if j == 0:
+        return other, n1, n2, e1, e2
+    if j == 1:
+        return other, n0, n1, e0, e1
+    return other, n2, n0, e2, e0
+
+
+@inlined_kernel
+def walk(cells, cell, u, v, du, dv):  # type: ignore[no-untyped-def]
+    """Go from (u, v) of a cell along (du, dv), across smooth sides, up to a sharp one.
+
+    Returns
+    -------
+    cell, u, v : where it ends.
+    """
+    for _ in range(MAX_CROSSINGS):
+        side, t = -1, 1.0
+        if dv < 0 and v + dv < 0:
+            side, t = 0, v / -dv
+        if du < 0 and u + du < 0 and u / -du < t:
+            side, t = 2, u / -du
+        if du + dv > 0 and u + v + du + dv > 1 and (1 - u - v) / (du + dv) < t:
+            side, t = 1, (1 - u - v) / (du + dv)
+        t = min(max(t, 0.0), 1.0)
+        u, v = u + t * du, v + t * dv
+        if side == 0:
+            v = 0.0
+        elif side == 2:
+            u = 0.0
+        elif side == 1:
+            v = 1 - u
+        u, v = min(max(u, 0.0), 1.0), min(max(v, 0.0), 1.0)
+        if side < 0 or cells.sharp[cell, side]:
+            break
+        cell, u, v, du, dv = cross(cells, cell, side, u, v, (1 - t) * du, (1 - t) * dv)
+    # Crossing leaves rounding errors of either sign.
+    u, v = max(u, 0.0), max(v, 0.0)
+    if u + v > 1:
+        u, v = u / (u + v), v / (u + v)
+    return cell, u, v
+
+
+@inlined_kernel
+def newton_step(e, x, y, z, second):  # type: ignore[no-untyped-def]
+    """Newton's step for the squared distance, from the expansion `e`.
+
+    With `second` false, or where the Hessian is not positive, it is the Gauss-Newton step: the point projected to the
+    tangent plane, a 2 x 2 system (Nishiyama et al. 2008, section 4).
+
+    Returns
+    -------
+    du, dv : the step.
+    h0, h1, h2 : the matrix used, by uu, uv, vv.
+    gu, gv : the gradient.
+    """
+    rx, ry, rz = e[0] - x, e[1] - y, e[2] - z
+    gu = e[3] * rx + e[4] * ry + e[5] * rz
+    gv = e[6] * rx + e[7] * ry + e[8] * rz
+    m0 = e[3] * e[3] + e[4] * e[4] + e[5] * e[5]
+    m1 = e[3] * e[6] + e[4] * e[7] + e[5] * e[8]
+    m2 = e[6] * e[6] + e[7] * e[7] + e[8] * e[8]
+    h0, h1, h2 = m0, m1, m2
+    if second:
+        f0 = m0 + e[9] * rx + e[10] * ry + e[11] * rz
+        f1 = m1 + e[12] * rx + e[13] * ry + e[14] * rz
+        f2 = m2 + e[15] * rx + e[16] * ry + e[17] * rz
+        if f0 > 0 and f2 > 0 and f0 * f2 - f1 * f1 > POSITIVE * (m0 * m2 - m1 * m1):
+            h0, h1, h2 = f0, f1, f2
+    determinant = h0 * h2 - h1 * h1
+    if determinant <= 1e-14 * h0 * h2:
+        # Parameters collapse here: descend along each by itself.
+        du = -gu / h0 if h0 > 0 else 0.0
+        dv = -gv / h2 if h2 > 0 else 0.0
+        return 0.5 * du, 0.5 * dv, h0, h1, h2, gu, gv
+    return (h1 * gv - h2 * gu) / determinant, (h1 * gu - h0 * gv) / determinant, h0, h1, h2, gu, gv
+
+
+@inlined_kernel
+def leaving_side(u, v, du, dv):  # type: ignore[no-untyped-def]
+    """Side on which (u, v) lies and through which (du, dv) leaves at once; -1 if none."""
+    if v <= ON_SIDE and dv < 0:
+        return 0
+    if u <= ON_SIDE and du < 0:
+        return 2
+    if u + v >= 1 - ON_SIDE and du + dv > 0:
+        return 1
+    return -1
+
+
+@inlined_kernel
+def slide(side, h0, h1, h2, gu, gv):  # type: ignore[no-untyped-def]
+    """Newton's step along a side."""
+    tu, tv = 1.0, 0.0
+    if side == 1:
+        tu, tv = -1.0, 1.0
+    elif side == 2:
+        tu, tv = 0.0, -1.0
+    h = tu * tu * h0 + 2 * tu * tv * h1 + tv * tv * h2
+    s = -(gu * tu + gv * tv) / h if h > 0 else 0.0
+    return s * tu, s * tv
+
+
+@inlined_kernel
+def squared_distance(e, x, y, z):  # type: ignore[no-untyped-def]
+    """Squared distance from the expansion's point."""
+    return (e[0] - x) ** 2 + (e[1] - y) ** 2 + (e[2] - z) ** 2
+
+
+@inlined_kernel
+def direction(patches, cells, cell, u, v, x, y, z, e, spare, cache, tags, second):  # type: ignore[no-untyped-def]
+    """Step to try from (u, v), whose expansion is `e`: Newton's, or along a sharp side it would leave through.
+
+    At a crease the face beyond is asked first: if its own step leads into it, the step is taken there.
+
+    Returns
+    -------
+    cell, u, v, du, dv : where the step starts, and the step.
+    """
+    du, dv, h0, h1, h2, gu, gv = newton_step(e, x, y, z, second)
+    side = leaving_side(u, v, du, dv)
+    if side < 0 or not cells.sharp[cell, side]:
+        return cell, u, v, du, dv
+    if cells.neighbour[cell, side] >= 0:
+        other, nu, nv, _, _ = cross(cells, cell, side, u, v, 0.0, 0.0)
+        nu, nv = max(nu, 0.0), max(nv, 0.0)
+        expand(patches, other, nu, nv, spare, cache, tags)
+        eu, ev, _, _, _, _, _ = newton_step(spare, x, y, z, second)
+        if leaving_side(nu, nv, eu, ev) < 0:
+            for i in range(18):
+                e[i] = spare[i]
+            return other, nu, nv, eu, ev
+    du, dv = slide(side, h0, h1, h2, gu, gv)
+    return cell, u, v, du, dv
+
+
+@kernel
+def project(  # type: ignore[no-untyped-def]
+    patches, cells, points, order, start, stop, tolerance, iterations, second, cell, uv, squared, converged
+):
+    """Move footpoints to the nearest point, each from where it stands; none ends farther away than it began.
+
+    Parameters
+    ----------
+    points : (k, 3).
+    order : the rows to treat are ``order[start:stop]``.
+    tolerance : a footpoint is settled when its next step on the surface is shorter than this.
+    second : use second derivatives where the Hessian is positive.
+    cell, uv, squared, converged : (k,), (k, 2), (k,), (k,) updated; `squared` is the squared distance.
+    """
+    cache = np.empty(48 * SLOTS)
+    tags = np.full(SLOTS, -1, np.int64)
+    e, trial = np.empty(18), np.empty(18)
+    for n in range(start, stop):
+        k = order[n]
+        x, y, z = points[k, 0], points[k, 1], points[k, 2]
+        c, u, v = cell[k], uv[k, 0], uv[k, 1]
+        expand(patches, c, u, v, e, cache, tags)
+        f = squared_distance(e, x, y, z)
+        settled = False
+        idle = 0
+        for _ in range(iterations):
+            c, u, v, du, dv = direction(patches, cells, c, u, v, x, y, z, e, trial, cache, tags, second)
+            length = 0.0
+            for d in range(3):
+                length += (du * e[3 + d] + dv * e[6 + d]) ** 2
+            if length <= tolerance * tolerance:
+                settled = True
+                break
+            moved = False
+            for _ in range(BACKTRACKS):
+                c1, u1, v1 = walk(cells, c, u, v, du, dv)
+                expand(patches, c1, u1, v1, trial, cache, tags)
+                f1 = squared_distance(trial, x, y, z)
+                if f1 < f or (f1 == f and c1 != c):
+                    moved = True
+                    break
+                du, dv = 0.25 * du, 0.25 * dv
+            if not moved:
+                # Stuck at a corner or a kink, or at the limit of rounding.
+                settled = True
+                break
+            idle = idle + 1 if f1 == f else 0
+            c, u, v, f = c1, u1, v1, f1
+            e, trial = trial, e
+            if idle > 6:
+                settled = True
+                break
+        cell[k], uv[k, 0], uv[k, 1] = c, u, v
+        squared[k] = f
+        converged[k] = settled

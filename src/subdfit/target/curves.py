@@ -1,0 +1,121 @@
+"""Curves along edges: creases and boundaries as chains of vertices between corners."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subdfit.errors import InputError
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A chain of vertices along edges.
+
+    Attributes
+    ----------
+    vertices : (k,) int64, rows of the points; a closed curve does not repeat its first vertex. An open
+        curve may begin and end at the same corner.
+    closed : whether the last vertex is joined to the first, smoothly.
+    """
+
+    vertices: NDArray[np.int64]
+    closed: bool
+
+    @property
+    def edges(self) -> NDArray[np.int64]:
+        """The edges (k, 2) int64, or one fewer if open, in the curve's direction."""
+        pairs: NDArray[np.int64] = np.stack([self.vertices, np.roll(self.vertices, -1)], axis=1)
+        return pairs if self.closed else pairs[:-1]
+
+
+def boundary_edges(triangles: NDArray[np.integer]) -> NDArray[np.int64]:
+    """Edges that belong to one triangle, (b, 2) int64, each in its triangle's direction."""
+    sides = np.asarray(triangles, np.int64)[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    ends = np.sort(sides, axis=1)
+    key = ends[:, 0] * (int(sides.max(initial=0)) + 1) + ends[:, 1]
+    _, first, valence = np.unique(key, return_index=True, return_counts=True)
+    single: NDArray[np.int64] = sides[np.sort(first[valence == 1])]
+    return single
+
+
+def boundary_loops(triangles: NDArray[np.integer]) -> list[Curve]:
+    """Boundary of a triangle mesh as curves, its triangles on the left; closed wherever it is manifold."""
+    return curves(boundary_edges(triangles))
+
+
+def curves(
+    edges: NDArray[np.integer],
+    *,
+    points: NDArray[np.float64] | None = None,
+    turn_degrees: float | None = None,
+) -> list[Curve]:
+    """Chain edges to curves, split at corners.
+
+    A vertex is a corner unless exactly two edges meet there and, when `turn_degrees` is given, the chain
+    turns there by no more than that. A curve takes the direction of its first edge.
+
+    Parameters
+    ----------
+    edges : (e, 2) int, each edge once.
+    points : (n, 3) float64, needed with `turn_degrees`.
+    turn_degrees : the largest turn within a curve, optional; a straight chain turns by 0.
+
+    Returns
+    -------
+    The open curves in order of their first vertex, then the closed ones.
+
+    Raises
+    ------
+    InputError
+        `turn_degrees` without `points`.
+    """
+    edges = np.asarray(edges, np.int64).reshape(-1, 2)
+    if len(edges) == 0:
+        return []
+    vertex, side = edges.ravel(), np.arange(edges.size)
+    side = side[np.argsort(vertex, kind="stable")]
+    _, first, degree = np.unique(vertex[side], return_index=True, return_counts=True)
+    smooth = degree == 2
+    pairs = side[first[smooth, None] + [0, 1]]
+    if turn_degrees is not None:
+        if points is None:
+            raise InputError("splitting curves at sharp turns needs the points; pass points= with turn_degrees=")
+        gentle = _turns(points, edges, pairs) <= turn_degrees
+        pairs = pairs[gentle]
+    joined = np.full(edges.size, -1)
+    joined[pairs[:, 0]], joined[pairs[:, 1]] = pairs[:, 1], pairs[:, 0]
+    return _walk(edges, joined)
+
+
+def _turns(points: NDArray[np.float64], edges: NDArray[np.int64], pairs: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Degrees by which a chain turns where the edge ends of each pair (k, 2) meet."""
+    far = points[edges.ravel()[pairs ^ 1]]
+    here = points[edges.ravel()[pairs]]
+    a, b = here[:, 0] - far[:, 0], far[:, 1] - here[:, 1]
+    turn: NDArray[np.float64] = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.sum(a * b, axis=1))
+    return np.degrees(turn)
+
+
+def _walk(edges: NDArray[np.int64], joined: NDArray[np.int64]) -> list[Curve]:
+    """Follow edge ends: end ``s`` is ``edges.ravel()[s]``, ``s ^ 1`` the other end, `joined` the next edge's."""
+    vertex, link = edges.ravel().tolist(), joined.tolist()
+    visited = [False] * len(edges)
+    starts = np.flatnonzero(joined < 0)
+    # An edge leaves its even end: a curve begins there if it can, and so keeps the edges' direction.
+    open_starts = starts[np.lexsort((starts, starts % 2))]
+    every = np.arange(0, edges.size, 2)
+    closed_starts = every[np.argsort(edges[:, 0], kind="stable")]
+    chains: dict[bool, list[Curve]] = {False: [], True: []}
+    for start in [*open_starts.tolist(), *closed_starts.tolist()]:
+        if visited[start // 2]:
+            continue
+        chain, end = [vertex[start]], start
+        while end >= 0 and not visited[end // 2]:
+            visited[end // 2] = True
+            chain.append(vertex[end ^ 1])
+            end = link[end ^ 1]
+        closed = end >= 0
+        chains[closed].append(Curve(np.array(chain[:-1] if closed else chain), closed))
+    chains[False].sort(key=lambda curve: tuple(curve.vertices[:2].tolist()))
+    return chains[False] + chains[True]

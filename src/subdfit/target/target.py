@@ -1,0 +1,153 @@
+"""What is known of the data to be fitted: its points, faces, normals, curves, and searches among them."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subdfit.errors import InputError
+from subdfit.target.bvh import SegmentTree, TriangleTree
+from subdfit.target.curves import boundary_edges
+from subdfit.target.faceting import sagitta
+from subdfit.target.features import automatic_creases, crease_edges
+from subdfit.target.normals import vertex_normals
+
+Creases = Literal["auto", "none"] | float
+
+
+@dataclass(frozen=True)
+class Target:
+    """A dense mesh, or a point cloud where there are no triangles.
+
+    Make one with `mesh_target` or `point_target`.
+
+    Attributes
+    ----------
+    points : (n, 3) float64, in the file's unit; a row number is the point's name.
+    triangles : (m, 3) int32, rows of `points`; m = 0 for a point cloud.
+    normals : (n, 3) float64, unit vectors; zero where none is known.
+    boundary_edges : (b, 2) int64, with the triangles on the left.
+    crease_edges : (c, 2) int64.
+    used : (k,) int64, the points that count: those of triangles, or all of a point cloud.
+    diagonal : length of the diagonal of the bounding box of the used points.
+    """
+
+    points: NDArray[np.float64]
+    triangles: NDArray[np.int32]
+    normals: NDArray[np.float64]
+    boundary_edges: NDArray[np.int64]
+    crease_edges: NDArray[np.int64]
+    used: NDArray[np.int64]
+    diagonal: float
+
+    @property
+    def is_mesh(self) -> bool:
+        """Whether there are triangles."""
+        return len(self.triangles) > 0
+
+    @cached_property
+    def tree(self) -> TriangleTree:
+        """Search for closest points on the triangles; a point cloud raises `InputError`."""
+        return TriangleTree(self.points, self.triangles)
+
+    @cached_property
+    def boundary_tree(self) -> SegmentTree | None:
+        """Search for closest points on the boundary; None where there is none."""
+        return SegmentTree(self.points, self.boundary_edges) if len(self.boundary_edges) else None
+
+    @cached_property
+    def crease_tree(self) -> SegmentTree | None:
+        """Search for closest points on the creases; None where there are none."""
+        return SegmentTree(self.points, self.crease_edges) if len(self.crease_edges) else None
+
+    @cached_property
+    def sagitta(self) -> NDArray[np.float64]:
+        """How far the surface that the mesh stands for may lie off each triangle, (m,) float64."""
+        return sagitta(self.points, self.triangles, self.crease_edges)
+
+
+def mesh_target(points: NDArray[np.float64], triangles: NDArray[np.integer], *, creases: Creases = "auto") -> Target:
+    """Gather what is known of a triangle mesh.
+
+    Parameters
+    ----------
+    points : (n, 3) float64; those of no triangle stay but do not count.
+    triangles : (m, 3) int, rows of `points`, oriented alike, at most two an edge.
+    creases : ``"auto"`` for edges that are surely sharp, ``"none"``, or the angle in degrees above which
+        an edge is a crease.
+
+    Raises
+    ------
+    InputError
+        No triangles, a row that is no point, a coordinate that is not finite, or no extent.
+    """
+    points = _points(points)
+    faces = np.ascontiguousarray(triangles, np.int32)
+    if len(faces) == 0:
+        raise InputError("the mesh has no triangles; pass it as a point cloud instead")
+    if faces.min() < 0 or faces.max() >= len(points):
+        raise InputError(f"a triangle refers to a point outside 0..{len(points) - 1}; check the faces")
+    used = np.unique(faces).astype(np.int64)
+    return Target(
+        points=points,
+        triangles=faces,
+        normals=vertex_normals(points, faces),
+        boundary_edges=boundary_edges(faces),
+        crease_edges=_creases(points, faces, creases),
+        used=used,
+        diagonal=_diagonal(points[used]),
+    )
+
+
+def point_target(points: NDArray[np.float64], normals: NDArray[np.float64] | None = None) -> Target:
+    """Gather what is known of a point cloud.
+
+    Parameters
+    ----------
+    points : (n, 3) float64, n >= 1.
+    normals : (n, 3) float64, optional; zero rows where unknown.
+
+    Raises
+    ------
+    InputError
+        No points, a coordinate that is not finite, no extent, or not one normal a point.
+    """
+    points = _points(points)
+    if normals is not None and np.shape(normals) != points.shape:
+        raise InputError(f"{len(normals)} normals for {len(points)} points; give one a point, or none")
+    return Target(
+        points=points,
+        triangles=np.empty((0, 3), np.int32),
+        normals=np.zeros_like(points) if normals is None else np.ascontiguousarray(normals, np.float64),
+        boundary_edges=np.empty((0, 2), np.int64),
+        crease_edges=np.empty((0, 2), np.int64),
+        used=np.arange(len(points)),
+        diagonal=_diagonal(points),
+    )
+
+
+def _points(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    points = np.ascontiguousarray(points, np.float64)
+    if points.ndim != 2 or points.shape[1] != 3 or len(points) == 0:
+        raise InputError(f"the target needs points with three coordinates; got an array of shape {points.shape}")
+    if not np.all(np.isfinite(points)):
+        row = int(np.argmin(np.isfinite(points).all(axis=1)))
+        raise InputError(f"point {row} has a coordinate that is not finite; remove it from the file")
+    return points
+
+
+def _diagonal(points: NDArray[np.float64]) -> float:
+    diagonal = float(np.linalg.norm(points.max(axis=0) - points.min(axis=0)))
+    if not diagonal > 0.0:
+        raise InputError("all points of the target coincide; there is nothing to fit")
+    return diagonal
+
+
+def _creases(points: NDArray[np.float64], triangles: NDArray[np.integer], creases: Creases) -> NDArray[np.int64]:
+    if creases == "none":
+        return np.empty((0, 2), np.int64)
+    if creases == "auto":
+        return automatic_creases(points, triangles)
+    return crease_edges(points, triangles, float(creases))

@@ -1,0 +1,96 @@
+"""Chaining edges to curves."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from subdfit.errors import InputError
+from subdfit.target.curves import boundary_edges, boundary_loops, curves
+from subdfit.target.features import crease_edges
+
+
+def as_set(edges):
+    return {tuple(sorted(pair)) for pair in np.asarray(edges).tolist()}
+
+
+def test_a_ring_is_one_closed_curve_in_its_edges_direction():
+    ring = np.array([[3, 1], [1, 4], [4, 0], [0, 3]])
+    (curve,) = curves(ring[[2, 0, 3, 1]])
+    assert curve.closed
+    assert curve.vertices.tolist() == [0, 3, 1, 4]
+    assert as_set(curve.edges) == as_set(ring)
+
+
+def test_a_chain_is_one_open_curve_in_its_edges_direction():
+    (curve,) = curves([[5, 2], [9, 5], [2, 7]])
+    assert not curve.closed
+    assert curve.vertices.tolist() == [9, 5, 2, 7]
+
+
+def test_mixed_directions_still_make_one_curve():
+    (curve,) = curves([[0, 1], [2, 1], [2, 3], [4, 3]])
+    assert curve.vertices.tolist() == [0, 1, 2, 3, 4]
+
+
+def test_curves_split_where_three_meet_and_every_edge_is_used_once():
+    edges = [[0, 1], [1, 2], [2, 3], [2, 4], [4, 5], [5, 2]]
+    found = curves(edges)
+    assert sorted(len(curve.vertices) for curve in found) == [2, 3, 4]
+    assert not any(curve.closed for curve in found)
+    assert as_set(np.concatenate([curve.edges for curve in found])) == as_set(edges)
+    assert sum(len(curve.edges) for curve in found) == len(edges)
+
+
+def test_sharp_turns_split_when_asked():
+    points = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0]], float)
+    square = np.array([[0, 1], [1, 2], [2, 3], [3, 4], [4, 0]])
+    assert len(curves(square)) == 1
+    found = curves(square, points=points, turn_degrees=45.0)
+    assert [curve.vertices.tolist() for curve in found] == [[0, 1, 2], [2, 3], [3, 4], [4, 0]]
+    with pytest.raises(InputError, match="points="):
+        curves(square, turn_degrees=45.0)
+
+
+def test_a_loop_with_one_corner_begins_and_ends_there():
+    angle = np.linspace(0.0, 1.5 * np.pi, 31)
+    points = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    points = np.concatenate([points, [[1.0, -1.0, 0.0]]])
+    ring = np.stack([np.arange(32), (np.arange(32) + 1) % 32], axis=1)
+    (curve,) = curves(ring, points=points, turn_degrees=60.0)
+    assert not curve.closed
+    assert curve.vertices[0] == curve.vertices[-1] == 31
+
+
+def test_box_creases_are_twelve_curves():
+    mesh = trimesh.creation.box().subdivide().subdivide()
+    found = curves(crease_edges(mesh.vertices, mesh.faces, 45.0))
+    assert len(found) == 12
+    assert all(len(curve.edges) == 4 for curve in found)
+
+
+def test_boundary_of_a_tube_is_two_loops_with_the_faces_on_the_left():
+    sections = 12
+    rim = np.arange(sections)
+    after = np.roll(rim, -1)
+    faces = np.concatenate(
+        [np.stack([rim, after, after + sections], 1), np.stack([rim, after + sections, rim + sections], 1)]
+    )
+    loops = boundary_loops(faces)
+    assert [curve.closed for curve in loops] == [True, True]
+    assert loops[0].vertices.tolist() == rim.tolist()
+    assert loops[1].vertices.tolist() == [sections, *range(2 * sections - 1, sections, -1)]
+    sides = {tuple(pair) for face in faces.tolist() for pair in zip(face, np.roll(face, -1).tolist(), strict=True)}
+    assert {tuple(pair) for pair in boundary_edges(faces).tolist()} <= sides
+
+
+def test_closed_surfaces_and_no_edges_have_no_curves():
+    assert boundary_loops(trimesh.creation.icosphere(1).faces) == []
+    assert curves(np.empty((0, 2), int)) == []
+
+
+@pytest.mark.parametrize(("name", "count"), [("holes", 7), ("plane_holes", 27), ("bunny", 5)])
+def test_loops_of_real_models(meshes, name, count):
+    mesh = trimesh.load(meshes / f"{name}.ply", process=False)
+    loops = boundary_loops(mesh.faces)
+    assert len(loops) == count
+    assert all(curve.closed for curve in loops)
