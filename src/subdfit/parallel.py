@@ -8,12 +8,14 @@ from typing import TypeVar
 T = TypeVar("T")
 
 _threads = os.cpu_count() or 1
+_pool: ThreadPoolExecutor | None = None
 
 
 def set_threads(count: int | None) -> None:
     """Use `count` threads from now on; ``None`` means one a core."""
-    global _threads
+    global _threads, _pool
     _threads = count or os.cpu_count() or 1
+    _pool = None
 
 
 def threads() -> int:
@@ -37,5 +39,11 @@ def map_chunks(job: Callable[[int, int], T], count: int, size: int = 4096) -> li
     bounds = [(start, min(start + size, count)) for start in range(0, count, size)]
     if _threads == 1 or len(bounds) <= 1:
         return [job(start, stop) for start, stop in bounds]
-    with ThreadPoolExecutor(_threads) as pool:
-        return list(pool.map(lambda bound: job(*bound), bounds))
+    return list(_shared_pool().map(lambda bound: job(*bound), bounds))
+
+
+def _shared_pool() -> ThreadPoolExecutor:
+    global _pool
+    if _pool is None:
+        _pool = ThreadPoolExecutor(_threads, thread_name_prefix="subdfit")
+    return _pool

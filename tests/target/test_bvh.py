@@ -227,3 +227,11 @@ def test_bad_queries_and_segments_are_named():
         tree.closest(np.array([[0.0, 0.0, 0.0], [np.inf, 0.0, 0.0]]))
     with pytest.raises(InputError, match="at least one segment"):
         SegmentTree(np.eye(3), np.empty((0, 2), int))
+    with pytest.raises(InputError, match="one each"):
+        tree.refit(np.eye(3), inflation=np.zeros(2))
+    with pytest.raises(InputError, match="check the faces"):
+        tree.refit(np.eye(3)[:2])
+    with pytest.raises(InputError, match="start must name"):
+        tree.closest(np.eye(3), start=np.array([0, 0, 1]))
+    with pytest.raises(InputError, match="radii"):
+        tree.within(np.eye(3), np.ones(2))

@@ -10,7 +10,7 @@ import numpy as np
 from subdfit.compiled import kernel
 
 SMOOTH, CURVE, CORNER = 0, 1, 2
-IDLE, QUEUED, STALE = 0, 1, 2
+IDLE, QUEUED, STALE, REFUSED = 0, 1, 2, 3
 
 CURVE_WEIGHT = 10.0
 """Weight of the planes that stand on creases and boundaries, against the faces' own planes."""
@@ -20,6 +20,12 @@ POINT_WEIGHT = 1e-6
 
 VALENCE_WEIGHT = 0.02
 """Relative rise of the cost for each unit of (valence - regular)^2 that the merged vertex has too much."""
+
+RETRY = 4.0
+"""A refused edge waits until costs are this many times higher: its neighbourhood may admit it by then."""
+
+LEAST_COST = 1e-24
+"""Cost below which all are alike, for a mesh of diagonal 1."""
 
 FACE_QUALITY = 2.0 * np.sqrt(3.0)
 """Makes |normal| / (sum of squared sides) equal 1 for an equilateral triangle."""
@@ -113,11 +119,11 @@ def _minimum(a00, a01, a02, a11, a12, a22, b0, b1, b2):  # type: ignore[no-untyp
 
 
 @kernel
-def _cost(h, points, quadrics, vertices, twin, mark, kind, valence):  # type: ignore[no-untyped-def]
+def _cost(h, free, points, quadrics, vertices, twin, mark, kind, valence):  # type: ignore[no-untyped-def]
     """Cost of collapsing edge `h`, infinite where its ends must stay apart, and the point they merge in.
 
     A corner never moves and a curve's vertex takes smooth neighbours in without moving; two of a kind meet
-    where their summed quadric is least, or at the best of ends and midpoint where that is ill-posed.
+    where their summed quadric is least, or at the best of ends and midpoint where that is ill-posed or not `free`.
     """
     u, v = vertices[h], vertices[_following(h)]
     a00, a01 = quadrics[u, 0] + quadrics[v, 0], quadrics[u, 1] + quadrics[v, 1]
@@ -133,7 +139,7 @@ def _cost(h, points, quadrics, vertices, twin, mark, kind, valence):  # type: ig
         return np.inf, ux, uy, uz
     solved, x, y, z = _minimum(a00, a01, a02, a11, a12, a22, b0, b1, b2)
     best = np.inf
-    if solved and ku == kv:
+    if solved and free and ku == kv:
         best = _error(a00, a01, a02, a11, a12, a22, b0, b1, b2, c, x, y, z)
     else:
         for step in range(3):
@@ -315,7 +321,19 @@ def _raise_ceiling(vertices, keys, edges, sizes):  # type: ignore[no-untyped-def
 
 @kernel
 def collapse_edges(  # type: ignore[no-untyped-def]
-    points, quadrics, vertices, twin, mark, outgoing, valence, kind, alive, target, most_valence, least_quality, least_turn
+    points,
+    quadrics,
+    vertices,
+    twin,
+    mark,
+    outgoing,
+    valence,
+    kind,
+    alive,
+    target,
+    most_valence,
+    least_quality,
+    least_turn,
 ):
     """Collapse the cheapest admissible edges, in place, until `target` vertices are left or none is admissible.
 
@@ -323,7 +341,8 @@ def collapse_edges(  # type: ignore[no-untyped-def]
     when they reach the top, not when they go stale. A half-edge has at most one entry, so the queue never
     outgrows the mesh. A collapse may leave valence above `most_valence` only where an end had as much, a
     triangle of less than `least_quality` only where the star had a worse one, and must keep each survivor's
-    normal within the angle of cosine `least_turn`.
+    normal within the angle of cosine `least_turn`. What is refused waits for another try, at an
+    end or midpoint, at higher costs.
 
     Returns
     -------
@@ -338,7 +357,7 @@ def collapse_edges(  # type: ignore[no-untyped-def]
     ceiling = -1.0
     for h in range(capacity):
         if vertices[h] >= 0 and twin[h] < h:
-            cost, x, y, z = _cost(h, points, quadrics, vertices, twin, mark, kind, valence)
+            cost, x, y, z = _cost(h, True, points, quadrics, vertices, twin, mark, kind, valence)
             if cost < np.inf:
                 state[h] = QUEUED
                 _enter(h, cost, ceiling, keys, edges, sizes)
@@ -353,9 +372,9 @@ def collapse_edges(  # type: ignore[no-untyped-def]
         dead = vertices[h] < 0
         cost = np.inf
         if not dead:
-            cost, x, y, z = _cost(h, points, quadrics, vertices, twin, mark, kind, valence)
-            if state[h] == STALE and keys[0, 0] < cost <= ceiling:
-                state[h] = QUEUED
+            cost, x, y, z = _cost(h, state[h] != REFUSED, points, quadrics, vertices, twin, mark, kind, valence)
+            if state[h] >= STALE and keys[0, 0] < cost <= ceiling:
+                state[h] = QUEUED if state[h] == STALE else REFUSED
                 keys[0, 0] = cost
                 _sift_down(keys, edges, sizes[0])
                 continue
@@ -363,8 +382,8 @@ def collapse_edges(  # type: ignore[no-untyped-def]
         keys[0, 0] = keys[0, sizes[0]]
         edges[0, 0] = edges[0, sizes[0]]
         _sift_down(keys, edges, sizes[0])
-        if not dead and state[h] == STALE and ceiling < cost < np.inf:
-            state[h] = QUEUED
+        if not dead and state[h] >= STALE and ceiling < cost < np.inf:
+            state[h] = QUEUED if state[h] == STALE else REFUSED
             _enter(h, cost, ceiling, keys, edges, sizes)
             continue
         state[h] = IDLE
@@ -375,19 +394,23 @@ def collapse_edges(  # type: ignore[no-untyped-def]
         if kind[gone] > kind[kept]:
             gone, kept = kept, gone
         merged = valence[gone] + valence[kept] - (4 if twin[h] >= 0 else 3)
-        if merged > most_valence and merged > max(valence[gone], valence[kept]):
-            continue
-        stamp += 1
         opposite = 2 if twin[h] >= 0 else 1
         least_valence = 3 if twin[outgoing[kept]] >= 0 else 2
-        if merged < least_valence or not _keeps_curves(h, twin, mark):
-            continue
-        if _shared_neighbours(h, vertices, twin, outgoing, seen, stamp) != opposite:
-            continue
-        before, after, turn = _star_change(gone, kept, x, y, z, points, vertices, twin, outgoing)
-        other_before, other_after, other_turn = _star_change(kept, gone, x, y, z, points, vertices, twin, outgoing)
-        after = min(after, other_after)
-        if min(turn, other_turn) < least_turn or (after < least_quality and after < min(before, other_before)):
+        stamp += 1
+        allowed = least_valence <= merged <= max(most_valence, valence[gone], valence[kept])
+        allowed = allowed and _keeps_curves(h, twin, mark)
+        allowed = allowed and _shared_neighbours(h, vertices, twin, outgoing, seen, stamp) == opposite
+        if allowed:
+            before, after, turn = _star_change(gone, kept, x, y, z, points, vertices, twin, outgoing)
+            other_before, other_after, other_turn = _star_change(kept, gone, x, y, z, points, vertices, twin, outgoing)
+            after = min(after, other_after)
+            fair = after >= least_quality or after >= min(before, other_before)
+            allowed = fair and min(turn, other_turn) >= least_turn
+        if not allowed:
+            later = RETRY * max(cost, ceiling, LEAST_COST)
+            if later < 1.0:
+                state[h] = REFUSED
+                _enter(h, later, ceiling, keys, edges, sizes)
             continue
 
         _collapse(h, gone, kept, vertices, twin, mark, outgoing, valence, kind)
@@ -399,7 +422,7 @@ def collapse_edges(  # type: ignore[no-untyped-def]
         spoke, ring_end = np.int64(outgoing[kept]), False
         while not ring_end:
             if not _grow_stale(spoke, twin, state):
-                cost, x, y, z = _cost(spoke, points, quadrics, vertices, twin, mark, kind, valence)
+                cost, x, y, z = _cost(spoke, True, points, quadrics, vertices, twin, mark, kind, valence)
                 if cost < np.inf:
                     state[spoke] = QUEUED
                     _enter(spoke, cost, ceiling, keys, edges, sizes)

@@ -216,9 +216,7 @@ def _harvest(
     row = np.cumsum(survives) - 1
     triangles = mesh.vertices.reshape(-1, 3)
     triangles = triangles[triangles[:, 0] >= 0]
-    crease = np.flatnonzero(
-        (mesh.mark == CREASE) & (mesh.vertices >= 0) & (np.arange(len(mesh.twin)) > mesh.twin)
-    )
+    crease = np.flatnonzero((mesh.mark == CREASE) & (mesh.vertices >= 0) & (np.arange(len(mesh.twin)) > mesh.twin))
     heads = np.where(crease % 3 == 2, crease - 2, crease + 1)
     ends = row[np.stack([mesh.vertices[crease], mesh.vertices[heads]], axis=1)]
     return Decimated(

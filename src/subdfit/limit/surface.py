@@ -57,6 +57,11 @@ class CompiledTopology:
         """Local patch points from control points."""
         return self.table.local_matrix
 
+    @cached_property
+    def local_matrix_transposed(self) -> sp.csr_array:
+        """Its transpose, by rows."""
+        return sp.csr_array(self.local_matrix.T)
+
 
 class LimitSurface:
     """The limit surface of a control mesh.
@@ -169,6 +174,20 @@ class LimitSurface:
         map_chunks(job, len(cell), CHUNK)
         return Evaluation(position, first if derivatives > 0 else None, second if derivatives > 1 else None)
 
+    def patch_weights(
+        self, face: NDArray[np.int32], uv: Floats, derivative: int = 0
+    ) -> tuple[NDArray[np.int64], NDArray[np.int32], Floats]:
+        """Rows of weights over *patch points*, as offsets, columns and values: what `weights` is made of."""
+        offsets = kernels.row_sizes(self.patches, face, uv)
+        columns = np.empty(offsets[-1], np.int32)
+        values = np.empty(offsets[-1])
+
+        def job(start: int, stop: int) -> None:
+            kernels.weights(self.patches, face, uv, offsets, start, stop, derivative, columns, values)
+
+        map_chunks(job, len(face), CHUNK)
+        return offsets, columns, values
+
     def weights(self, face: ArrayLike, uv: ArrayLike, derivative: int = 0) -> sp.csr_array:
         """Rows W with ``S(face, uv) = W @ control points``, (k, n) sparse.
 
@@ -180,17 +199,10 @@ class LimitSurface:
             0 for the position, 1 for the derivative by u, 2 for that by v.
         """
         cell, parameter = self._checked(face, uv)
-        table = self.compiled.table
-        offsets = kernels.row_sizes(self.patches, cell, parameter)
-        columns = np.empty(offsets[-1], np.int32)
-        values = np.empty(offsets[-1])
-
-        def job(start: int, stop: int) -> None:
-            kernels.weights(self.patches, cell, parameter, offsets, start, stop, derivative, columns, values)
-
-        map_chunks(job, len(cell), CHUNK)
-        points = table.point_matrix.shape[0]
-        return sp.csr_array(sp.csr_array((values, columns, offsets), shape=(len(cell), points)) @ table.point_matrix)
+        offsets, columns, values = self.patch_weights(cell, parameter, derivative)
+        matrix = self.compiled.table.point_matrix
+        rows = sp.csr_array((values, columns, offsets), shape=(len(cell), matrix.shape[0]))
+        return sp.csr_array(rows @ matrix)
 
     def normals(self, face: ArrayLike, uv: ArrayLike) -> Floats:
         """Unit normals, (k, 3); zero where the surface has no tangent plane."""

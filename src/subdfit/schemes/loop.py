@@ -25,7 +25,7 @@ from subdfit.schemes.scheme import Refinement
 
 @dataclass(frozen=True)
 class Loop:
-    """Loop's scheme. Boundary edges are sharp; vertices with three or more sharp edges, and tagged ones, are corners."""
+    """Loop's scheme; boundary edges are sharp, vertices with three or more sharp edges and tagged ones are corners."""
 
     name: str = "loop"
 
@@ -75,7 +75,8 @@ class Loop:
             np.flatnonzero(t.corner_sharpness > 0),
             t.corner_sharpness[t.corner_sharpness > 0],
         )
-        return Refinement(child, sp.vstack([_vertex_rows(t), _edge_rows(t)], format="csr"))
+        matrix = sp.csr_array(sp.vstack([_vertex_rows(t), _edge_rows(t)], format="csr"))
+        return Refinement(child, matrix, np.arange(t.vertex_count), t.vertex_count + np.arange(t.edge_count))
 
     def limit_rows(self, topology: Topology) -> sp.csr_array:
         """Limit masks of all vertices: smooth, crease and boundary, dart, corner."""

@@ -3,7 +3,9 @@
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 
 from subdfit.mesh.topology import Topology
 from subdfit.schemes.domain import Domain
@@ -18,10 +20,14 @@ class Refinement:
     ----------
     child : the refined connectivity.
     matrix : (child vertices, vertices) sparse; its rows sum to one.
+    vertex_row : (n,) int64, the child vertex that each vertex becomes.
+    edge_row : (e,) int64, the child vertex that stands for each edge.
     """
 
     child: Topology
     matrix: sp.csr_array
+    vertex_row: NDArray[np.int64]
+    edge_row: NDArray[np.int64]
 
 
 class Scheme(Protocol):

@@ -52,15 +52,15 @@ class ClosestOnSegments:
 
 def _require(array: NDArray[Any] | Sequence[Any], dtype: type[S]) -> NDArray[S]:
     """Return the array as kernels want it: contiguous and writeable, or they would be compiled once more."""
-    return np.require(array, dtype, ["C", "W", "A"])
+    return np.require(array, dtype, ["C", "W", "A", "E"])
 
 
 def _finite(points: NDArray[np.float64], what: str) -> NDArray[np.float64]:
-    """Points (n, 3) fit for a kernel; beyond 1e150 squared distances would overflow."""
+    """Points (n, 3) fit for a kernel; beyond 1e70 the squares of areas would overflow."""
     points = _require(points, np.float64)
     if points.ndim != 2 or points.shape[1] != 3:
         raise InputError(f"a {what} needs three coordinates; got an array of shape {points.shape}")
-    good = np.abs(points) < 1e150
+    good = np.abs(points) < 1e70
     if not np.all(good):
         row = int(np.argmin(good.all(axis=1)))
         raise InputError(f"{what} {row} has a coordinate that is not finite or too large; remove it or rescale")
@@ -94,14 +94,12 @@ class TriangleTree:
         *,
         inflation: NDArray[np.float64] | None = None,
     ) -> None:
-        points = _finite(points, "point")
-        if len(triangles) == 0:
-            raise InputError("closest points need at least one triangle; got none")
-        if np.min(triangles) < 0 or np.max(triangles) >= len(points):
-            raise InputError(f"a triangle refers to a point outside 0..{len(points) - 1}; check the faces")
         count = len(triangles)
+        if count == 0:
+            raise InputError("closest points need at least one triangle; got none")
         self.triangles = _require(triangles, np.int32)
-        self.inflation = np.zeros(count) if inflation is None else _require(inflation, np.float64)
+        points = self._checked(points)
+        self.inflation = np.zeros(count) if inflation is None else self._one_each(inflation)
         self.rows = np.arange(count, dtype=np.int32)
         boxes = np.empty((max(count - 1, 1), 2, 6))
         children = np.empty((max(count - 1, 1), 2), np.int32)
@@ -111,6 +109,17 @@ class TriangleTree:
         self._pack(points)
         self.slots = np.empty(count, np.int32)
         self.slots[self.rows] = np.arange(count, dtype=np.int32)
+
+    def _checked(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        points = _finite(points, "point")
+        if self.triangles.min() < 0 or self.triangles.max() >= len(points):
+            raise InputError(f"a triangle refers to a point outside 0..{len(points) - 1}; check the faces")
+        return points
+
+    def _one_each(self, inflation: NDArray[np.float64]) -> NDArray[np.float64]:
+        if np.shape(inflation) != (len(self.triangles),):
+            raise InputError(f"{np.size(inflation)} inflations for {len(self.triangles)} triangles; give one each")
+        return _require(inflation, np.float64)
 
     def _triangle_boxes(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         boxes = np.empty((len(self.rows), 6))
@@ -135,8 +144,8 @@ class TriangleTree:
         Searches stay exact but slow down as the points leave the places for which the tree was built.
         """
         if inflation is not None:
-            self.inflation = _require(inflation, np.float64)
-        self._pack(_finite(points, "point"))
+            self.inflation = self._one_each(inflation)
+        self._pack(self._checked(points))
         building.refit(self.children, self.corners, self.rows, self.inflation, self.boxes)
 
     def closest(self, queries: NDArray[np.float64], *, start: NDArray[np.int32] | None = None) -> Closest:
@@ -151,6 +160,8 @@ class TriangleTree:
         """
         queries = _finite(queries, "query")
         guess = np.full(len(queries), -1, np.int32) if start is None else _require(start, np.int32)
+        if guess.shape != (len(queries),) or guess.max(initial=-1) >= len(self.triangles):
+            raise InputError(f"start must name one of the {len(self.triangles)} triangles for each query, or -1")
         order = self._coherent_order(queries)
         triangle = np.empty(len(queries), np.int32)
         uv = np.empty((len(queries), 2))
@@ -198,6 +209,8 @@ class TriangleTree:
         bound : float64, their ``distance - inflation``.
         """
         queries, radii = _finite(queries, "query"), _require(radii, np.float64)
+        if radii.shape != (len(queries),):
+            raise InputError(f"{radii.size} radii for {len(queries)} queries; give one each")
         offsets = np.zeros(len(queries) + 1, np.int64)
         counts = self._collect(queries, radii, offsets, np.empty(0, np.int32), np.empty(0))
         np.cumsum(counts, out=offsets[1:])

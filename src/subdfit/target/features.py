@@ -16,7 +16,9 @@ _STRONG = 40.0
 _TURN = 50.0
 """Degrees by which an automatic crease may turn at a vertex."""
 _CONTRAST = 10.0
-"""How many times sharper than the surface beside it an automatic crease is."""
+"""How many times the mean angle of the smooth edges beside it an automatic crease bends."""
+_STRAYS = 0.2
+"""Share of the edges beside an automatic crease that may reach the weak angle and belong to no crease."""
 _FEWEST = 8
 """Edges of the smallest network of automatic creases, such as those round a coarse bore."""
 
@@ -94,11 +96,11 @@ def automatic_creases(points: NDArray[np.float64], triangles: NDArray[np.integer
     """Edges that are surely sharp: few on a machined part are missed, none is found in noise.
 
     Edges above a weak angle are joined to paths where they continue one another smoothly. A path is a
-    crease when its median angle is strong and is many times the mean angle of the other edges of the
-    triangles along it: in noise and in tight curvature the surface beside it bends about as much. Edges
-    of other creases do not count there; so all paths are taken for creases first, and as some drop out
-    they count beside those that are left, until none drops out. Of the networks that the rest form,
-    those of a few edges only are dropped as chance.
+    crease when its median angle is strong and is many times the mean angle of the smooth edges of the
+    triangles along it, since tight curvature bends those too; and when few edges there reach the weak
+    angle without belonging to a crease, as they do in noise. For the latter all paths are taken for
+    creases first, and as some drop out they count against their neighbours, until none drops out. Of
+    the networks that the rest form, those of a few edges only are dropped as chance.
 
     Parameters
     ----------
@@ -151,18 +153,21 @@ def _smooth_paths(points: NDArray[np.float64], ends: NDArray[np.int64]) -> NDArr
 def _stands_out(
     edges: Edges, members: NDArray[np.int64], path: NDArray[np.int32], sharp: NDArray[np.int64]
 ) -> NDArray[np.bool_]:
-    """Tell which paths are strong, and much sharper than the surface beside them between `sharp` edges."""
-    smooth = edges.valence == 2
-    smooth[sharp] = False
+    """Tell which paths are strong and run through a smooth surface, given all the `sharp` edges."""
     beside = edges.of_face[edges.faces[members]].reshape(len(members), 6)
+    smooth = (edges.angle < _WEAK) & (edges.valence == 2)
+    stray = edges.angle >= _WEAK
+    stray[sharp] = False
     total = np.bincount(path, np.sum(edges.angle[beside] * smooth[beside], axis=1))
     seen = np.bincount(path, np.sum(smooth[beside], axis=1))
+    strays = np.bincount(path, np.sum(stray[beside], axis=1))
     roughness = np.divide(total, seen, out=np.full(len(seen), np.inf), where=seen > 0)
     angle = edges.angle[members]
     length = np.bincount(path)
     median = angle[np.lexsort((angle, path))][np.cumsum(length) - length + (length - 1) // 2]
-    sharp: NDArray[np.bool_] = (median >= _STRONG) & (median >= _CONTRAST * roughness)
-    return sharp
+    stands_out: NDArray[np.bool_] = (median >= _STRONG) & (median >= _CONTRAST * roughness)
+    stands_out &= strays <= _STRAYS * (seen + strays)
+    return stands_out
 
 
 def _components(one: NDArray[np.integer], other: NDArray[np.integer], size: int) -> tuple[int, NDArray[np.int32]]:

@@ -1,0 +1,113 @@
+"""Where a fit stands: the surface, every data point's footpoint, the errors."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subdfit.closest.curves import CurveProjection, SurfaceCurves
+from subdfit.closest.projection import Projection, Projector
+from subdfit.fit.data import FitData
+from subdfit.limit.surface import LimitSurface
+
+Floats = NDArray[np.float64]
+
+FOOTPOINT_TOLERANCE = 1e-6
+"""Footpoints are settled to this share of the diagonal while fitting."""
+
+
+@dataclass(frozen=True)
+class Errors:
+    """One-sided errors of the vertices, as shares of the diagonal; `excess` is the largest of what tolerance applies to.
+
+    `excess` also counts samples inside faces, each less its allowance.
+    """
+
+    max: float
+    rms: float
+    mean: float
+    excess: float
+
+
+@dataclass(frozen=True, eq=False)
+class FitState:
+    """A surface with the footpoints of all data.
+
+    Attributes
+    ----------
+    surface : the limit surface, in the normalised frame.
+    face, uv, distance : (k,), (k, 2), (k,), footpoints of all points on the surface.
+    boundary, crease : footpoints of the points on curves, None where there are none.
+    """
+
+    data: FitData
+    surface: LimitSurface
+    face: NDArray[np.int32]
+    uv: Floats
+    distance: Floats
+    boundary: CurveProjection | None
+    crease: CurveProjection | None
+    curves: tuple[SurfaceCurves | None, SurfaceCurves | None] = field(repr=False, default=(None, None))
+
+    @classmethod
+    def start(cls, data: FitData, surface: LimitSurface) -> "FitState":
+        """Find all footpoints from nothing."""
+        found = Projector(surface, FOOTPOINT_TOLERANCE).nearest(data.points)
+        return cls._complete(data, surface, found)
+
+    @classmethod
+    def follow(cls, data: FitData, surface: LimitSurface, face: NDArray[np.int32], uv: Floats) -> "FitState":
+        """Find footpoints from given places on the surface."""
+        return cls._complete(data, surface, Projector(surface, FOOTPOINT_TOLERANCE).refine(data.points, face, uv))
+
+    @classmethod
+    def _complete(cls, data: FitData, surface: LimitSurface, found: Projection) -> "FitState":
+        state = cls(data, surface, found.face, found.uv, found.distance, None, None)
+        curves = tuple(
+            SurfaceCurves(surface, inner) if len(rows) else None
+            for rows, inner in ((data.boundary, False), (data.crease, True))
+        )
+        return state._with_curves(curves)  # type: ignore[arg-type]
+
+    def _with_curves(self, curves: tuple[SurfaceCurves | None, SurfaceCurves | None]) -> "FitState":
+        found = [
+            curve.closest(self.data.points[rows]) if curve is not None and len(curve) else None
+            for curve, rows in zip(curves, (self.data.boundary, self.data.crease), strict=True)
+        ]
+        return replace(self, boundary=found[0], crease=found[1], curves=curves)
+
+    def moved(self, control_points: Floats) -> "FitState":
+        """The same connectivity with other control points; footpoints follow from where they were."""
+        return FitState.follow(self.data, self.surface.with_points(control_points), self.face, self.uv)
+
+    def refreshed(self, threshold: float) -> "FitState":
+        """Look globally for nearer footpoints of the points farther than `threshold`."""
+        rows = np.flatnonzero(self.distance > threshold)
+        if len(rows) == 0:
+            return self
+        found = Projector(self.surface, FOOTPOINT_TOLERANCE).nearest(self.data.points[rows])
+        better = found.distance < self.distance[rows]
+        face, uv, distance = self.face.copy(), self.uv.copy(), self.distance.copy()
+        face[rows[better]] = found.face[better]
+        uv[rows[better]] = found.uv[better]
+        distance[rows[better]] = found.distance[better]
+        return replace(self, face=face, uv=uv, distance=distance)
+
+    @property
+    def excess(self) -> Floats:
+        """What the tolerance applies to, (k,): distances less their allowance."""
+        return self.distance - self.data.allowance
+
+    @property
+    def errors(self) -> Errors:
+        """Errors of the vertices."""
+        d = self.distance[: self.data.vertices]
+        return Errors(
+            float(d.max()), float(np.sqrt(np.mean(d**2))), float(d.mean()), float(self.excess.max(initial=0.0))
+        )
+
+    @property
+    def curve_distances(self) -> Floats:
+        """Distances of boundary and crease points from their curves."""
+        parts = [c.distance for c in (self.boundary, self.crease) if c is not None]
+        return np.concatenate([np.empty(0), *parts])

@@ -1,0 +1,158 @@
+"""The linear system of one fitting step: weighted least squares on displacements, solved by conjugate gradients.
+
+``sum_k (e_k - W_k d)^T D_k (e_k - W_k d) + ...`` is never assembled: products go through the rows of W for patch points
+and the few rows that make local points from control points.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from subdfit.fit import _kernels as kernels
+from subdfit.limit.surface import LimitSurface
+from subdfit.parallel import map_chunks
+
+Floats = NDArray[np.float64]
+
+PARTS = 4
+"""Every sum over rows is taken in this many parts, whatever the number of threads."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Sparse rows over patch points, with their metric and residual: one term of the energy.
+
+    Attributes
+    ----------
+    offsets, columns, values : the rows, in CSR form.
+    metric : (k, 6), the symmetric D_k: xx, xy, xz, yy, yz, zz.
+    residual : (k, 3), e_k.
+    """
+
+    offsets: NDArray[np.int64]
+    columns: NDArray[np.int32]
+    values: Floats
+    metric: Floats
+    residual: Floats
+
+    def product(self, x: Floats) -> Floats:
+        """W^T D W x."""
+        return self._summed(
+            lambda start, stop, out: kernels.normal_product(
+                self.offsets, self.columns, self.values, self.metric, x, start, stop, out
+            ),
+            x.shape,
+        )
+
+    def transposed(self, vectors: Floats, points: int) -> Floats:
+        """W^T times (k, c) vectors."""
+        return self._summed(
+            lambda start, stop, out: kernels.transposed_product(
+                self.offsets, self.columns, self.values, vectors, start, stop, out
+            ),
+            (points, vectors.shape[1]),
+        )
+
+    def _summed(self, job, shape: tuple[int, ...]) -> Floats:  # type: ignore[no-untyped-def]
+        count = len(self.metric)
+
+        def part(start: int, stop: int) -> Floats:
+            out = np.zeros(shape)
+            job(start, stop, out)
+            return out
+
+        parts = map_chunks(part, count, max(1, -(-count // PARTS)))
+        return sum(parts[1:], parts[0]) if parts else np.zeros(shape)
+
+
+class System:
+    """Normal equations of all terms for the displacement of the control points, (n, 3)."""
+
+    def __init__(self, surface: LimitSurface, rows: list[Rows], damping: float, fairness: float) -> None:
+        self.rows = rows
+        self._local = surface.compiled.local_matrix
+        self._local_t = surface.compiled.local_matrix_transposed
+        self._points = surface.compiled.table.point_matrix.shape[0]
+        self._count = surface.topology.vertex_count
+        lumped = sum((self._to_control(r.transposed(r.metric, self._points)) for r in rows), np.zeros((self._count, 6)))
+        trace = lumped[:, [0, 3, 5]].sum(axis=1)
+        mean = float(trace.mean()) / 3
+        self._damping = damping * trace[:, None] / 3 + 1e-9 * mean
+        self._fairness = fairness * mean
+        t = surface.topology
+        self._laplacian = umbrella(t.edge_vertices, t.sharpness > 0, t.vertex_count)
+        self._inverse = self._blocks(lumped)
+
+    def _to_control(self, values: Floats) -> Floats:
+        return values[: self._count] + self._local_t @ values[self._count :]
+
+    def _blocks(self, lumped: Floats) -> Floats:
+        """Inverse of the lumped 3 x 3 blocks: the preconditioner."""
+        blocks = lumped[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].reshape(-1, 3, 3)
+        diagonal = self._damping + 1.2 * self._fairness
+        blocks = blocks + diagonal[:, :, None] * np.eye(3)
+        inverse: Floats = np.linalg.inv(blocks)
+        return inverse
+
+    def product(self, x: Floats) -> Floats:
+        """The system's matrix times (n, 3)."""
+        everywhere = np.concatenate([x, self._local @ x])
+        out = self._damping * x
+        for rows in self.rows:
+            out += self._to_control(rows.product(everywhere))
+        out += self._fairness * (self._laplacian.T @ (self._laplacian @ x))
+        return out
+
+    def right_side(self) -> Floats:
+        """W^T D e of all terms."""
+        out = np.zeros((self._count, 3))
+        for rows in self.rows:
+            m, e = rows.metric, rows.residual
+            vectors = np.column_stack(
+                [
+                    m[:, 0] * e[:, 0] + m[:, 1] * e[:, 1] + m[:, 2] * e[:, 2],
+                    m[:, 1] * e[:, 0] + m[:, 3] * e[:, 1] + m[:, 4] * e[:, 2],
+                    m[:, 2] * e[:, 0] + m[:, 4] * e[:, 1] + m[:, 5] * e[:, 2],
+                ]
+            )
+            out += self._to_control(rows.transposed(vectors, self._points))
+        return out
+
+    def solve(self, tolerance: float = 1e-2, iterations: int = 50) -> Floats:
+        """Displacements by preconditioned conjugate gradients, to a relative residual of `tolerance`."""
+        x = np.zeros((self._count, 3))
+        residual = self.right_side()
+        z = np.einsum("nij,nj->ni", self._inverse, residual)
+        direction, rho = z, float(np.sum(residual * z))
+        bound = tolerance**2 * rho
+        for _ in range(iterations):
+            if rho <= bound or rho <= 0:
+                break
+            image = self.product(direction)
+            step = rho / float(np.sum(direction * image))
+            x = x + step * direction
+            residual = residual - step * image
+            z = np.einsum("nij,nj->ni", self._inverse, residual)
+            rho, before = float(np.sum(residual * z)), rho
+            direction = z + (rho / before) * direction
+        return x
+
+
+def umbrella(edges: NDArray[np.int32], sharp: NDArray[np.bool_], count: int) -> sp.csr_array:
+    """Uniform Laplacian: each vertex less the mean of its neighbours, along the curve for vertices on one.
+
+    Vertices with one or with more than two sharp edges have an empty row.
+    """
+    start = np.concatenate([edges[:, 0], edges[:, 1]])
+    end = np.concatenate([edges[:, 1], edges[:, 0]])
+    curve = np.concatenate([sharp, sharp])
+    degree = np.bincount(start[curve], minlength=count)
+    used = np.where(curve, degree[start] == 2, degree[start] == 0)
+    start, end = start[used], end[used]
+    valence = np.bincount(start, minlength=count)
+    rows = np.concatenate([np.flatnonzero(valence), start])
+    columns = np.concatenate([np.flatnonzero(valence), end])
+    values = np.concatenate([np.ones(np.count_nonzero(valence)), -1.0 / valence[start]])
+    return sp.csr_array((values, (rows, columns)), shape=(count, count))

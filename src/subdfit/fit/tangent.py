@@ -1,0 +1,83 @@
+"""Tangent-distance minimisation with Levenberg-style damping: the step of the method ``auto``.
+
+Each data point pulls its footpoint along the surface normal, weakly along the tangent plane (Blake and Isard 1998;
+Pottmann and Leopoldseder 2003); points on curves pull across the curve. A step is kept only if the true errors, with
+new footpoints, are smaller.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subdfit.closest.curves import CurveProjection
+from subdfit.fit import _kernels as kernels
+from subdfit.fit.state import FitState
+from subdfit.fit.system import Rows, System
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class TangentSettings:
+    """Weights of the step.
+
+    Attributes
+    ----------
+    tangential : share of a point's pull that acts along the tangent plane.
+    curve_weight : weight of a point on a curve against one on the surface.
+    fairness : weight of the displacement's Laplacian, against the mean weight of a control vertex.
+    damping : the first Levenberg damping, against each control vertex's own weight.
+    """
+
+    tangential: float = 0.003
+    curve_weight: float = 4.0
+    fairness: float = 1e-3
+    damping: float = 1e-3
+    emphasis: float = 0.0
+
+
+def tangent_step(state: FitState, settings: TangentSettings, damping: float) -> Floats:
+    """Control points after one damped step from `state`, (n, 3)."""
+    rows = [surface_rows(state, settings), *curve_rows(state, settings)]
+    system = System(state.surface, rows, damping, settings.fairness)
+    return state.surface.control_mesh.points + system.solve()
+
+
+def surface_rows(state: FitState, settings: TangentSettings) -> Rows:
+    """Rows of the points inside the surface, sorted by face."""
+    keep = np.flatnonzero(state.data.surface_rows)
+    order = keep[np.argsort(state.face[keep], kind="stable")]
+    face, uv = np.ascontiguousarray(state.face[order]), np.ascontiguousarray(state.uv[order])
+    value = state.surface.evaluate(face, uv, 1)
+    assert value.first is not None
+    metric = np.empty((len(order), 6))
+    kernels.plane_metric(value.first, settings.tangential, np.ones(len(order)), metric)
+    residual = state.data.points[order] - value.position
+    return Rows(*state.surface.patch_weights(face, uv), metric, residual)
+
+
+def curve_rows(state: FitState, settings: TangentSettings) -> list[Rows]:
+    """Rows of the points on boundary and crease curves."""
+    found = []
+    for curve, rows in ((state.boundary, state.data.boundary), (state.crease, state.data.crease)):
+        if curve is not None:
+            found.append(_curve_rows(state, curve, rows, settings))
+    return found
+
+
+def _curve_rows(
+    state: FitState, curve: CurveProjection, rows: NDArray[np.int64], settings: TangentSettings
+) -> Rows:
+    t, w = curve.tangent, settings.curve_weight
+    along = w * (settings.tangential - 1)
+    metric = along * np.column_stack([t[:, :1] * t, t[:, 1:2] * t[:, 1:], t[:, 2:] * t[:, 2:]])
+    metric[:, [0, 3, 5]] += w
+    weights = state.surface.patch_weights(curve.face, curve.uv)
+    return Rows(*weights, metric, state.data.points[rows] - curve.position)
+
+
+def merit(state: FitState, settings: TangentSettings) -> float:
+    """The true error that decides whether a step is kept: squared distances, curves by their weight."""
+    inside = state.distance[state.data.surface_rows]
+    return float(np.sum(inside**2) + settings.curve_weight * np.sum(state.curve_distances**2))

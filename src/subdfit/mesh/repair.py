@@ -1,0 +1,350 @@
+"""What of an imperfect mesh is mended, and what is refused."""
+
+import logging
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subdfit.errors import InputError
+from subdfit.mesh._polygons import Edges, Indices, Polygons, edges_of
+from subdfit.mesh._sheets import match_crowded, orientation, split_fans, twist_cut
+from subdfit.mesh._slivers import remove_slivers, without_area
+from subdfit.mesh.data import MeshData
+
+logger = logging.getLogger(__name__)
+
+_LARGEST = 1e100  # squares and cubes of coordinates must stay finite
+
+
+@dataclass(frozen=True)
+class Mended:
+    """A mesh that is manifold and consistently oriented, without isolated vertices or faces without area.
+
+    Attributes
+    ----------
+    data : the mesh.
+    vertex_rows : (n,) int64, the row in the original mesh of each vertex.
+    messages : what was mended, a line each.
+    """
+
+    data: MeshData
+    vertex_rows: NDArray[np.int64]
+    messages: tuple[str, ...]
+
+
+def check(data: MeshData, name: str = "mesh") -> None:
+    """Refuse what nothing can mend.
+
+    Raises
+    ------
+    InputError
+        There are no points, a coordinate is not finite (or so large that its square is not), a face, crease or
+        corner names a vertex that does not exist, or a sharpness is no number from 0 on.
+    """
+    count = len(data.points)
+    if count == 0:
+        raise InputError(f"{name}: has no points; export the mesh again")
+    bad = np.flatnonzero(~(np.abs(data.points) < _LARGEST).all(axis=1))
+    if len(bad):
+        place = " ".join(f"{x:g}" for x in data.points[bad[0]])
+        raise InputError(
+            f"{name}: {len(bad)} vertices are not finite or too large to compute with, the first is row {bad[0]} "
+            f"({place}); remove or correct them"
+        )
+    _check_rows(data.face_vertices, count, name, "corner", "faces")
+    _check_rows(data.crease_edges.ravel(), count, name, "end", "creases")
+    _check_rows(data.corner_vertices, count, name, "entry", "corners")
+    for sharpness in (data.crease_sharpness, data.corner_sharpness):
+        if len(sharpness) and not (sharpness >= 0).all():
+            worst = sharpness[~(sharpness >= 0)][0]
+            raise InputError(f"{name}: a sharpness is {worst:g}; it must be 0 or more, 10 is sharp for ever")
+
+
+def _check_rows(rows: Indices, count: int, name: str, part: str, whole: str) -> None:
+    bad = np.flatnonzero((rows < 0) | (rows >= count))
+    if len(bad):
+        raise InputError(
+            f"{name}: {part} {bad[0]} of the {whole} names vertex {rows[bad[0]]}, there are {count} (rows from 0); "
+            "export the mesh again"
+        )
+
+
+def mend(data: MeshData, *, repair: bool = False, name: str = "mesh") -> Mended:
+    """Mend what can be mended without a choice of shape, refuse the rest; each mending is one warning that counts.
+
+    Mended are: isolated vertices; repeated positions, where merging them joins a soup of faces to a surface; faces
+    that repeat a vertex; faces that are there twice; faces without area; disagreeing orientation (the fewer faces of
+    a component are turned); vertices that join separate fans of faces (a copy for each).
+
+    Parameters
+    ----------
+    data
+        Polygons as read; bare points are only checked.
+    repair
+        Also cut apart the sheets at edges with more than two faces, and surfaces that cannot be oriented.
+    name
+        What messages call the mesh.
+
+    Raises
+    ------
+    InputError
+        As `check`; or, unless `repair`, for edges with more than two faces and surfaces that cannot be oriented;
+        or nothing is left.
+    """
+    check(data, name)
+    if data.face_count == 0:
+        return Mended(data, np.arange(len(data.points)), ())
+    bench = _Bench(data, name)
+    bench.count_isolated()
+    bench.merge_soup()
+    bench.drop_repeats()
+    bench.drop_duplicates()
+    bench.take_out_slivers()
+    bench.part_crowded_edges(repair)
+    bench.orient(repair)
+    bench.split_vertices()
+    return bench.finish()
+
+
+class _Bench:
+    """A mesh under repair: its faces change, rows of vertices only grow until `finish`."""
+
+    def __init__(self, data: MeshData, name: str) -> None:
+        self.data, self.name = data, name
+        self.faces = Polygons(data.face_offsets.astype(np.int64), data.face_vertices.astype(np.int64))
+        self.origin = np.arange(len(data.points))  # original row of each current one
+        self.merged = np.arange(len(data.points))  # original row that an original row was merged into
+        self.messages: list[str] = []
+        self._edges: Edges | None = None
+
+    @property
+    def edges(self) -> Edges:
+        """How the current faces meet."""
+        if self._edges is None:
+            self._edges = edges_of(self.faces)
+        return self._edges
+
+    def _set(self, faces: Polygons) -> None:
+        self.faces, self._edges = faces, None
+
+    def _say(self, count: int, one: str, many: str, deed: str) -> None:
+        if count:
+            message = f"{count} {one if count == 1 else many} {deed}"
+            self.messages.append(message)
+            logger.warning("%s: %s", self.name, message)
+
+    def count_isolated(self) -> None:
+        """Tell of vertices without a face; `finish` leaves them out."""
+        isolated = len(self.origin) - np.count_nonzero(np.bincount(self.faces.corners, minlength=len(self.origin)))
+        self._say(isolated, "isolated vertex", "isolated vertices", "left out")
+
+    def merge_soup(self) -> None:
+        """Merge vertices at one position, if that makes a surface of a soup of faces.
+
+        It does when the faces hang together by nothing else, or when most boundary edges find their other side and
+        no edge gets a third face. A surface that merely touches itself stays as it is.
+        """
+        used = np.flatnonzero(np.bincount(self.faces.corners, minlength=len(self.origin)))
+        merged = self.merged.copy()
+        merged[used] = _first_at_same_position(self.data.points, used)
+        count = np.count_nonzero(merged != self.merged)
+        if count == 0 or len(self.edges.boundary) == 0:
+            return
+        joined = Polygons(self.faces.offsets, merged[self.faces.corners])
+        now, then = self.edges, edges_of(joined)
+        loose = len(now.boundary) == len(self.faces.corners)
+        clean = len(then.crowded) <= len(now.crowded) and 2 * len(then.boundary) <= len(now.boundary)
+        if len(then.boundary) < len(now.boundary) and (loose or clean):
+            self.merged = merged
+            self._set(joined)
+            self._say(int(count), "repeated position", "repeated positions", "of a soup of faces merged")
+
+    def drop_repeats(self) -> None:
+        """Cut faces that repeat a vertex into loops that do not, and drop loops of one or two corners."""
+        bad = self.faces.sizes < 3
+        for rows, corners in self.faces.by_size():
+            ordered = np.sort(corners, axis=1)
+            bad[rows] |= (ordered[:, 1:] == ordered[:, :-1]).any(axis=1)
+        if not bad.any():
+            return
+        bounds = self.faces.offsets
+        loops = [
+            loop
+            for row in np.flatnonzero(bad).tolist()
+            for loop in _simple_loops(self.faces.corners[bounds[row] : bounds[row + 1]].tolist())
+        ]
+        self._set(self.faces.select(~bad).extend(loops))
+        deed = f"taken out ({len(loops)} kept without the repeat)" if loops else "taken out"
+        self._say(int(bad.sum()), "face that repeats a vertex", "faces that repeat a vertex", deed)
+
+    def drop_duplicates(self) -> None:
+        """Keep one of the faces with the same corners in the same cyclic order, whichever way round."""
+        kept = np.ones(self.faces.count, np.bool_)
+        for rows, corners in self.faces.by_size():
+            kept[rows] = _first_of_each(_canonical(corners))
+        if not kept.all():
+            self._set(self.faces.select(kept))
+            self._say(int((~kept).sum()), "duplicate face", "duplicate faces", "taken out")
+
+    def take_out_slivers(self) -> None:
+        """Take out faces without area."""
+        flat = without_area(self.faces, self.data.points)
+        if not flat.any():
+            return
+        faces, merged, (collapsed, given, dropped) = remove_slivers(self.faces, self.data.points, flat)
+        self.merged = merged[self.merged]
+        self._set(faces)
+        deed = f"taken out ({collapsed} edges collapsed, {given} merged with a neighbour, {dropped} dropped)"
+        self._say(int(flat.sum()), "zero-area face", "zero-area faces", deed)
+
+    def part_crowded_edges(self, repair: bool) -> None:
+        """Leave at most two faces an edge, or refuse."""
+        crowded = self.edges.crowded
+        if not crowded:
+            return
+        edge = self._edge_name(crowded[0][0])
+        if not repair:
+            raise InputError(
+                f"{self.name}: {len(crowded)} edges have more than two faces, the first is {edge} with "
+                f"{len(crowded[0])}; repair=True (--repair) cuts the sheets apart"
+            )
+        found = self.edges.first, self.edges.second
+        matched = match_crowded(self.faces, self.edges, self.data.points[self.origin])
+        before = self.faces, self.origin
+        self._split((np.concatenate((found[0], matched[0])), np.concatenate((found[1], matched[1]))))
+        if self.edges.crowded:  # a fan passed an edge twice: open these edges altogether
+            (faces, self.origin) = before
+            self._set(faces)
+            self._split(found)
+        self._say(len(crowded), "edge with more than two faces", "edges with more than two faces", "cut apart")
+
+    def orient(self, repair: bool) -> None:
+        """Make neighbours agree, or refuse; `repair` cuts a one-sided surface where it closes on itself."""
+        edges = self.edges
+        if not (self.faces.corners[edges.first] == self.faces.corners[edges.second]).any():
+            return
+        turned, twisted = orientation(self.faces, edges)
+        if twisted.any():
+            tree_turned, cut = twist_cut(self.faces, edges, twisted)
+            if not repair:
+                raise InputError(
+                    f"{self.name}: the surface cannot be oriented, following it round through edge "
+                    f"{self._edge_name(edges.first[cut][0])} turns it over; repair=True (--repair) cuts it open"
+                )
+            turned = np.where(twisted, tree_turned, turned)
+            self._split((edges.first[~cut], edges.second[~cut]))
+            count = int(cut.sum())
+            self._say(count, "edge of a one-sided surface", "edges of a one-sided surface", "cut open")
+        self._set(self.faces.turn(turned))
+        self._say(int(turned.sum()), "face", "faces", "turned to agree with the rest")
+
+    def split_vertices(self) -> None:
+        """Give separate fans of faces a vertex each."""
+        copied = self._split((self.edges.first, self.edges.second))
+        count = len(np.unique(copied))
+        self._say(count, "vertex shared by separate fans", "vertices shared by separate fans", "split")
+
+    def _split(self, pairs: tuple[Indices, Indices]) -> Indices:
+        faces, copied = split_fans(self.faces, pairs, len(self.origin))
+        if len(copied):
+            self._set(faces)
+            self.origin = np.concatenate((self.origin, self.origin[copied]))
+        return copied
+
+    def _edge_name(self, half_edge: int) -> str:
+        ends = sorted(self.origin[[self.faces.corners[half_edge], self.faces.heads[half_edge]]].tolist())
+        return f"({ends[0]}, {ends[1]})"
+
+    def finish(self) -> Mended:
+        """Drop unused rows and carry creases, corners and normals over."""
+        if self.faces.count == 0:
+            raise InputError(f"{self.name}: no face with an area is left; export the mesh again, or its points alone")
+        used = np.bincount(self.faces.corners, minlength=len(self.origin)) > 0
+        rows = self.origin[used]
+        corners = (np.cumsum(used) - 1)[self.faces.corners]
+        faces = Polygons(self.faces.offsets, corners)
+        crease_edges, crease_sharpness = self._creases(faces, rows)
+        sharp, corner_sharpness = self._corners(rows)
+        data = replace(
+            self.data,
+            points=self.data.points[rows],
+            face_offsets=faces.offsets,
+            face_vertices=corners,
+            crease_edges=crease_edges,
+            crease_sharpness=crease_sharpness,
+            corner_vertices=sharp,
+            corner_sharpness=corner_sharpness,
+            normals=None if self.data.normals is None else self.data.normals[rows],
+        )
+        return Mended(data, rows, tuple(self.messages))
+
+    def _creases(self, faces: Polygons, rows: Indices) -> tuple[Indices, NDArray[np.float64]]:
+        """Give every edge between copies of a crease's ends its sharpness; tell of creases that are no edge."""
+        ends = self.merged[self.data.crease_edges]
+        sharpness = self.data.crease_sharpness[ends[:, 0] != ends[:, 1]]
+        ends = np.sort(ends[ends[:, 0] != ends[:, 1]], axis=1)
+        if not len(ends):
+            return ends, sharpness
+        edges = edges_of(faces)
+        half_edges = np.concatenate((edges.first, edges.boundary))
+        pairs = np.stack((faces.corners[half_edges], faces.heads[half_edges]), axis=1)
+        origins = np.sort(rows[pairs], axis=1)
+        count = len(self.data.points)
+        wanted = ends[:, 0] * count + ends[:, 1]
+        present = origins[:, 0] * count + origins[:, 1]
+        unique, inverse = np.unique(wanted, return_inverse=True)
+        sharpest = np.zeros(len(unique))
+        np.maximum.at(sharpest, inverse, sharpness)
+        self._say(
+            int((~np.isin(wanted, present)).sum()), "crease that is no edge", "creases that are no edges", "left out"
+        )
+        found = np.flatnonzero(np.isin(present, unique))
+        found = found[np.argsort(half_edges[found], kind="stable")]
+        return np.sort(pairs[found], axis=1), sharpest[np.searchsorted(unique, present[found])]
+
+    def _corners(self, rows: Indices) -> tuple[Indices, NDArray[np.float64]]:
+        sharpness = np.zeros(len(self.data.points))
+        np.maximum.at(sharpness, self.merged[self.data.corner_vertices], self.data.corner_sharpness)
+        sharp = np.flatnonzero(sharpness[rows])
+        return sharp, sharpness[rows[sharp]]
+
+
+def _first_at_same_position(points: NDArray[np.float64], rows: Indices) -> Indices:
+    """For each of `rows` the lowest of them at exactly its position."""
+    places = points[rows] + 0.0  # -0 and 0 are one place
+    order = np.lexsort((places[:, 2], places[:, 1], places[:, 0]))  # stable: lowest row first
+    ordered = places[order]
+    new = np.concatenate(([True], (ordered[1:] != ordered[:-1]).any(axis=1)))
+    first = np.empty(len(rows), np.int64)
+    first[order] = rows[order[np.flatnonzero(new)[np.cumsum(new) - 1]]]
+    return first
+
+
+def _simple_loops(corners: list[int]) -> list[list[int]]:
+    """Cut a closed walk at repeated vertices; only loops of three corners and more enclose anything."""
+    for i, v in enumerate(corners):
+        if v in corners[i + 1 :]:
+            j = corners.index(v, i + 1)
+            return _simple_loops(corners[i:j]) + _simple_loops(corners[:i] + corners[j:])
+    return [corners] if len(corners) > 2 else []
+
+
+def _canonical(corners: Indices) -> Indices:
+    """Turn each row (m, k) to start at its lowest vertex and go on with the lower of that one's neighbours."""
+    size = corners.shape[1]
+    if size == 3:
+        return np.sort(corners, axis=1)
+    start = np.argmin(corners, axis=1)[:, None]
+    ahead = np.take_along_axis(corners, (start + np.arange(size)) % size, axis=1)
+    back = np.take_along_axis(corners, (start - np.arange(size)) % size, axis=1)
+    return np.where((ahead[:, 1] <= back[:, 1])[:, None], ahead, back)
+
+
+def _first_of_each(rows: Indices) -> NDArray[np.bool_]:
+    """Mark the first of equal rows."""
+    order = np.lexsort(rows.T[::-1])
+    ordered = rows[order]
+    first = np.ones(len(rows), np.bool_)
+    first[order[1:]] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    return first
