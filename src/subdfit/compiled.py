@@ -1,12 +1,13 @@
 """Compiled kernels: how every ``_kernels.py`` compiles, where the machine code is cached, what it cost.
 
-Numba's own cache notices a changed source file but not a changed callee in another module. Our cache
-directory is therefore keyed by a hash over all kernel sources: a change anywhere starts afresh.
+Numba's own cache notices a changed source file but not a changed callee in another module. Our cache directories are
+therefore keyed by a hash over a kernel's file and all kernel files it imports.
 """
 
 import hashlib
 import logging
 import os
+import re
 import tempfile
 import time
 from collections.abc import Callable
@@ -44,7 +45,7 @@ def inlined_kernel(function: Callable[..., Any]) -> Any:
 
 def _compile(function: Callable[..., Any], *, forceinline: bool) -> Any:
     before = numba.core.config.CACHE_DIR
-    numba.core.config.CACHE_DIR = cache_directory()
+    numba.core.config.CACHE_DIR = cache_directory(function.__module__)
     try:
         return numba.njit(
             nogil=True,
@@ -59,22 +60,36 @@ def _compile(function: Callable[..., Any], *, forceinline: bool) -> Any:
 
 
 @cache
-def cache_directory() -> str:
-    """Where machine code is kept: NUMBA_CACHE_DIR, else beside the package, else the user's cache directory."""
-    name = f"kernels-{_sources_hash()}"
+def cache_directory(module: str) -> str:
+    """Where a module's machine code is kept: NUMBA_CACHE_DIR, else beside the package, else the user's cache directory."""
+    name = f"kernels-{_sources_hash(module)}"
     chosen = os.environ.get("NUMBA_CACHE_DIR")
-    candidates = [Path(chosen)] if chosen else [_PACKAGE / "__pycache__", Path(platformdirs.user_cache_dir("subdfit"))]
-    for folder in candidates:
+    own = [_PACKAGE / "__pycache__", Path(platformdirs.user_cache_dir("subdfit"))]
+    for folder in [Path(chosen)] if chosen else own:
         if _writable(folder / name):
             return str(folder / name)
     return tempfile.mkdtemp(prefix="subdfit-kernels-")
 
 
-def _sources_hash() -> str:
-    digest = hashlib.sha256()
-    for path in [Path(__file__), *sorted(_PACKAGE.rglob("*_kernels.py"))]:
+def _sources_hash(module: str) -> str:
+    digest = hashlib.sha256(Path(__file__).read_bytes())
+    for path in sorted(_sources(module)):
         digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
+
+
+def _sources(module: str) -> set[Path]:
+    """The module's file and those of the kernel modules it imports, directly or not; none for modules elsewhere."""
+    if not module.startswith("subdfit."):
+        return set()
+    found: set[Path] = set()
+    waiting = [module]
+    while waiting:
+        path = _PACKAGE.joinpath(*waiting.pop().split(".")[1:]).with_suffix(".py")
+        if path not in found:
+            found.add(path)
+            waiting += re.findall(r"^from (subdfit[.\w]*_kernels) import", path.read_text(encoding="utf-8"), re.MULTILINE)
+    return found
 
 
 def _writable(folder: Path) -> bool:

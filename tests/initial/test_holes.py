@@ -56,13 +56,15 @@ def test_area_is_least_on_a_saddle_quadrilateral():
     assert areas.sum() == pytest.approx(4 + 16)
 
 
-def test_taken_chords_force_a_centre():
-    points, triangles = laws.octahedron()
-    belt = np.array([[0, 1, 2], [3, 4, 2], [1, 0, 5], [4, 3, 5]])
-    faces = np.concatenate([belt, [[1, 3, 2], [4, 0, 2]]])
-    rim_of_four = without(points, faces, [])
-    result = fill_holes(*rim_of_four, 10)
-    assert laws.shape_of(len(result.points), result.triangles).loops == 0
+def test_hole_whose_every_chord_is_taken_gets_a_centre():
+    i = np.arange(7)
+    torus = np.concatenate([np.stack([i, (i + 1) % 7, (i + 3) % 7], 1), np.stack([i, (i + 3) % 7, (i + 2) % 7], 1)])
+    points = np.random.default_rng(0).normal(size=(7, 3))
+    assert laws.shape_of(7, torus) == laws.Shape(1, 0, 0)
+    star = np.flatnonzero((torus == 6).any(axis=1))
+    result = fill_holes(*without(points, torus, star), 6)
+    assert laws.shape_of(7, result.triangles) == laws.Shape(1, 0, 0)
+    np.testing.assert_allclose(result.points[6], points[:6].mean(axis=0))
 
 
 def test_lone_triangle_and_tetrahedron_without_two_faces_become_closed_surfaces():

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from subdfit.errors import InputError
 
-_VIEWS = ((30.0, 18.0), (-30.0, 18.0), (60.0, 18.0), (30.0, 50.0))
+_VIEWS = ((32.0, 20.0), (-32.0, 20.0), (62.0, 20.0), (32.0, 55.0))
 """Azimuth and elevation in degrees, the preferred view first; the last one is for flat, lying models."""
 
 _ENOUGH = 0.7
@@ -77,13 +77,13 @@ def camera_for(
     """
     if up not in _UP:
         raise InputError(f"up axis {up!r} is not known: use 'y' or 'z'")
-    corners = np.asarray(vertices, np.float64)[np.asarray(triangles)]
-    if len(corners) == 0:
+    faces = np.asarray(triangles, np.int64)
+    if len(faces) == 0:
         raise InputError("a mesh without triangles cannot be drawn: give at least one triangle")
-    rotation = (
-        _usual_view(corners, up) if azimuth is None or elevation is None else _view(azimuth, elevation, up)
-    )
-    points = corners.reshape(-1, 3)
+    points = np.asarray(vertices, np.float64)
+    views = [(a if azimuth is None else azimuth, e if elevation is None else elevation) for a, e in _VIEWS]
+    rotation = _first_telling(points, faces, [_view(*view, up) for view in views])
+    points = points[np.unique(faces)]
     low, high = points.min(axis=0), points.max(axis=0)
     centre = 0.5 * (low + high)
     distance = 3.0 * max(float(np.linalg.norm(high - low)), np.finfo(np.float32).tiny)
@@ -102,8 +102,11 @@ def _view(azimuth: float, elevation: float, up: str) -> NDArray[np.float64]:
     return np.array([right, above, viewer]) @ _UP[up]
 
 
-def _usual_view(corners: NDArray[np.float64], up: str) -> NDArray[np.float64]:
-    areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    rotations = [_view(*view, up) for view in _VIEWS]
+def _first_telling(
+    points: NDArray[np.float64], faces: NDArray[np.int64], rotations: list[NDArray[np.float64]]
+) -> NDArray[np.float64]:
+    """Return the first of the rotations that shows enough of the area that the best of them shows."""
+    a, b, c = (points[faces[:, corner]] for corner in range(3))
+    areas = np.cross(b - a, c - a)
     shown = np.array([np.abs(areas @ rotation[2]).sum() for rotation in rotations])
     return rotations[int(np.argmax(shown >= _ENOUGH * shown.max()))]

@@ -10,17 +10,22 @@ from matplotlib.colors import Colormap, Normalize, to_rgb
 from numpy.typing import ArrayLike, NDArray
 
 from subdfit.draw.camera import Camera
-from subdfit.draw.shading import is_closed, lit, openness, signed_volume, smooth_normals
+from subdfit.draw.depth import DepthPicture
+from subdfit.draw.shading import is_closed, lit, signed_volume, smooth_normals
 from subdfit.errors import InputError
 
-PLASTER = (0.80, 0.79, 0.77)
+PLASTER = (0.89, 0.875, 0.85)
 """Colour of a surface for which none is given."""
 
 _INSIDE = np.array([0.62, 0.68, 0.78], np.float32)
 """Tint of the inner side of an open surface."""
 
 _MANY = 200_000
-"""From this many visible triangles on, those smaller than a pixel are merged."""
+"""From this many triangles on, hidden ones are left out and those smaller than a pixel are merged."""
+
+
+_SEAM = 0.3
+"""Width in points of the outline, of its own colour, that closes the seam between neighbouring triangles."""
 
 
 @dataclass(frozen=True)
@@ -73,8 +78,7 @@ def render(
     strokes, stroke_height, stroke_colors = _strokes(lines, line_colors, camera, sheet)
     order = np.argsort(np.concatenate([sheet.height, stroke_height]), kind="stable")
     paint = np.concatenate([sheet.colors, stroke_colors])[order]
-    seam = 0.35 if len(sheet.height) < _MANY else 0.25
-    widths = np.concatenate([np.full(len(sheet.height), seam), np.full(len(strokes), line_width)])[order]
+    widths = np.repeat([_SEAM, line_width], [len(sheet.height), len(strokes)])[order] if len(strokes) else _SEAM
     shapes = np.concatenate([sheet.corners, strokes])[order]
     ax.add_collection(
         PolyCollection(shapes, facecolors=paint, edgecolors=paint, linewidths=widths, capstyle="round"),
@@ -127,14 +131,16 @@ def _sheet(
     if closed and signed_volume(points - camera.centre, faces) < 0.0:
         faces = faces[:, ::-1]
     seen = camera.project(points)
+    depth = DepthPicture(seen, camera.window, pixels // 2)
     front = _turns_to_viewer(seen, faces)
     shown = front if closed else np.ones(len(faces), bool)
+    if len(faces) > _MANY:
+        shown = shown & ~depth.hides(seen)[faces].all(axis=1)
     normals = smooth_normals(points - camera.centre, faces)[shown] @ camera.rotation.T.astype(np.float32)
     faces, albedo, back = faces[shown], albedo[shown], ~front[shown]
     normals[back] *= -1.0
     albedo = np.where(back[:, None], albedo * _INSIDE, albedo)
-    free = openness(seen, camera.window, pixels // 2)[faces].mean(axis=1)
-    colors = lit(normals, albedo, free)
+    colors = lit(normals, albedo, depth.openness(seen)[faces].mean(axis=1))
     if len(faces) > _MANY:
         faces, colors = _merge_pixels(seen, faces, colors, camera, pixels)
     corners = seen[faces]

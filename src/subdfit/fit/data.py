@@ -1,41 +1,15 @@
-"""The data of a fit: points in a normalised frame, which of them lie on curves, what each is allowed."""
+"""The data of a fit: points in the normalised frame, which of them lie on curves, what each is allowed."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from subdfit.target.frame import Frame
 from subdfit.target.sampling import face_samples
 from subdfit.target.target import Target
 
 Floats = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Frame:
-    """Normalised coordinates: the centre at 0, the diagonal of the bounding box 1.
-
-    Attributes
-    ----------
-    centre : (3,), and diagonal, in the caller's unit.
-    """
-
-    centre: Floats
-    diagonal: float
-
-    @classmethod
-    def of(cls, points: Floats) -> "Frame":
-        """Frame of (n, 3) points."""
-        low, high = points.min(axis=0), points.max(axis=0)
-        return cls(low + (high - low) / 2, float(np.linalg.norm(high - low)))
-
-    def inside(self, points: Floats) -> Floats:
-        """From the caller's coordinates to normalised ones."""
-        return (points - self.centre) / self.diagonal
-
-    def outside(self, points: Floats) -> Floats:
-        """From normalised coordinates to the caller's."""
-        return points * self.diagonal + self.centre
 
 
 @dataclass(frozen=True, eq=False)

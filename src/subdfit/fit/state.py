@@ -62,12 +62,7 @@ class FitState:
 
     @classmethod
     def _complete(cls, data: FitData, surface: LimitSurface, found: Projection) -> "FitState":
-        state = cls(data, surface, found.face, found.uv, found.distance, None, None)
-        curves = tuple(
-            SurfaceCurves(surface, inner) if len(rows) else None
-            for rows, inner in ((data.boundary, False), (data.crease, True))
-        )
-        return state._with_curves(curves)  # type: ignore[arg-type]
+        return cls(data, surface, found.face, found.uv, found.distance, None, None).with_curves_of(surface)
 
     def _with_curves(self, curves: tuple[SurfaceCurves | None, SurfaceCurves | None]) -> "FitState":
         found = [
@@ -75,6 +70,15 @@ class FitState:
             for curve, rows in zip(curves, (self.data.boundary, self.data.crease), strict=True)
         ]
         return replace(self, boundary=found[0], crease=found[1], curves=curves)
+
+    def with_curves_of(self, surface: LimitSurface) -> "FitState":
+        """The same footpoints on the surface, those on curves found anew on `surface`."""
+        return self._with_curves(
+            (
+                SurfaceCurves(surface, inner=False) if len(self.data.boundary) else None,
+                SurfaceCurves(surface, inner=True) if len(self.data.crease) else None,
+            )
+        )
 
     def moved(self, control_points: Floats) -> "FitState":
         """The same connectivity with other control points; footpoints follow from where they were."""
@@ -92,6 +96,10 @@ class FitState:
         uv[rows[better]] = found.uv[better]
         distance[rows[better]] = found.distance[better]
         return replace(self, face=face, uv=uv, distance=distance)
+
+    def verified(self) -> "FitState":
+        """All footpoints found globally, from no earlier parameter."""
+        return FitState._complete(self.data, self.surface, Projector(self.surface, FOOTPOINT_TOLERANCE).certain(self.data.points))
 
     @property
     def excess(self) -> Floats:

@@ -70,7 +70,9 @@ class Rows:
 class System:
     """Normal equations of all terms for the displacement of the control points, (n, 3)."""
 
-    def __init__(self, surface: LimitSurface, rows: list[Rows], damping: float, fairness: float) -> None:
+    def __init__(
+        self, surface: LimitSurface, rows: list[Rows], damping: float, fairness: float, fixed_boundary: bool = False
+    ) -> None:
         self.rows = rows
         self._local = surface.compiled.local_matrix
         self._local_t = surface.compiled.local_matrix_transposed
@@ -84,6 +86,8 @@ class System:
         t = surface.topology
         self._laplacian = umbrella(t.edge_vertices, t.sharpness > 0, t.vertex_count)
         self._inverse = self._blocks(lumped)
+        if fixed_boundary:
+            self._inverse[t.edge_vertices[t.boundary_edges].ravel()] = 0.0
 
     def _to_control(self, values: Floats) -> Floats:
         return values[: self._count] + self._local_t @ values[self._count :]

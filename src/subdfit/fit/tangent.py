@@ -34,13 +34,12 @@ class TangentSettings:
     curve_weight: float = 4.0
     fairness: float = 1e-3
     damping: float = 1e-3
-    emphasis: float = 0.0
 
 
-def tangent_step(state: FitState, settings: TangentSettings, damping: float) -> Floats:
-    """Control points after one damped step from `state`, (n, 3)."""
+def tangent_step(state: FitState, settings: TangentSettings, damping: float, fixed_boundary: bool = False) -> Floats:
+    """Control points after one damped step from `state`, (n, 3); with `fixed_boundary` those on the boundary stay."""
     rows = [surface_rows(state, settings), *curve_rows(state, settings)]
-    system = System(state.surface, rows, damping, settings.fairness)
+    system = System(state.surface, rows, damping, settings.fairness, fixed_boundary)
     return state.surface.control_mesh.points + system.solve()
 
 

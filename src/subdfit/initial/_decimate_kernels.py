@@ -1,22 +1,16 @@
 """Edge collapses on a triangle mesh held in flat half-edge arrays, cheapest quadric first.
 
 Half-edge ``h`` starts at ``vertices[h]``; the triangle is ``h // 3``. A vertex has a *kind*: 0 smooth, 1 on
-a curve (two edges of one mark), 2 corner. An edge has a *mark*: 0 smooth, 1 crease, 2 boundary. Quadrics
-are rows ``a00 a01 a02 a11 a12 a22 b0 b1 b2 c`` of x'Ax + 2b'x + c (Garland and Heckbert 1997, section 5).
+a curve (two edges of one mark), 2 corner. An edge has a *mark*: 0 smooth, 1 crease, 2 boundary.
 """
 
 import numpy as np
 
 from subdfit.compiled import kernel
+from subdfit.initial._quadric_kernels import following, preceding, quadric_error, quadric_minimum
 
 SMOOTH, CURVE, CORNER = 0, 1, 2
 IDLE, QUEUED, STALE, REFUSED = 0, 1, 2, 3
-
-CURVE_WEIGHT = 10.0
-"""Weight of the planes that stand on creases and boundaries, against the faces' own planes."""
-
-POINT_WEIGHT = 1e-6
-"""Weight of the distance to the points themselves: makes every quadric invertible, spreads points in flats."""
 
 VALENCE_WEIGHT = 0.02
 """Relative rise of the cost for each unit of (valence - regular)^2 that the merged vertex has too much."""
@@ -32,100 +26,13 @@ FACE_QUALITY = 2.0 * np.sqrt(3.0)
 
 
 @kernel
-def _following(h):  # type: ignore[no-untyped-def]
-    return h - 2 if h % 3 == 2 else h + 1
-
-
-@kernel
-def _preceding(h):  # type: ignore[no-untyped-def]
-    return h + 2 if h % 3 == 0 else h - 1
-
-
-@kernel
-def vertex_quadrics(points, vertices, mark):  # type: ignore[no-untyped-def]
-    """Sum each vertex's area-weighted planes, its curves' upright planes and its own point.
-
-    Returns
-    -------
-    quadrics : (n, 10) float64
-    """
-    quadrics = np.zeros((len(points), 10))
-    for h in range(len(vertices)):
-        o, p, r = vertices[h], vertices[_following(h)], vertices[_preceding(h)]
-        x, y, z = points[o, 0], points[o, 1], points[o, 2]
-        e0, e1, e2 = points[p, 0] - x, points[p, 1] - y, points[p, 2] - z
-        g0, g1, g2 = points[r, 0] - x, points[r, 1] - y, points[r, 2] - z
-        n0, n1, n2 = e1 * g2 - e2 * g1, e2 * g0 - e0 * g2, e0 * g1 - e1 * g0
-        length = np.sqrt(n0 * n0 + n1 * n1 + n2 * n2) + 1e-300
-        _add_plane(quadrics, o, n0 / length, n1 / length, n2 / length, x, y, z, length / 6.0)
-        _add_point(quadrics, o, x, y, z, POINT_WEIGHT * length / 6.0)
-        if mark[h] > 0:
-            m0, m1, m2 = n1 * e2 - n2 * e1, n2 * e0 - n0 * e2, n0 * e1 - n1 * e0
-            squared = e0 * e0 + e1 * e1 + e2 * e2
-            scale = 1.0 / (np.sqrt(squared) * length + 1e-300)
-            weight = 0.5 * CURVE_WEIGHT * squared
-            _add_plane(quadrics, o, m0 * scale, m1 * scale, m2 * scale, x, y, z, weight)
-            _add_plane(quadrics, p, m0 * scale, m1 * scale, m2 * scale, x, y, z, weight)
-    return quadrics
-
-
-@kernel
-def _add_plane(quadrics, v, a, b, c, x, y, z, weight):  # type: ignore[no-untyped-def]
-    """Add `weight` times the squared distance to the plane through (x, y, z) with unit normal (a, b, c)."""
-    d = -(a * x + b * y + c * z)
-    quadrics[v, 0] += weight * a * a
-    quadrics[v, 1] += weight * a * b
-    quadrics[v, 2] += weight * a * c
-    quadrics[v, 3] += weight * b * b
-    quadrics[v, 4] += weight * b * c
-    quadrics[v, 5] += weight * c * c
-    quadrics[v, 6] += weight * a * d
-    quadrics[v, 7] += weight * b * d
-    quadrics[v, 8] += weight * c * d
-    quadrics[v, 9] += weight * d * d
-
-
-@kernel
-def _add_point(quadrics, v, x, y, z, weight):  # type: ignore[no-untyped-def]
-    """Add `weight` times the squared distance to (x, y, z)."""
-    quadrics[v, 0] += weight
-    quadrics[v, 3] += weight
-    quadrics[v, 5] += weight
-    quadrics[v, 6] -= weight * x
-    quadrics[v, 7] -= weight * y
-    quadrics[v, 8] -= weight * z
-    quadrics[v, 9] += weight * (x * x + y * y + z * z)
-
-
-@kernel
-def _error(a00, a01, a02, a11, a12, a22, b0, b1, b2, c, x, y, z):  # type: ignore[no-untyped-def]
-    value = x * (a00 * x + 2.0 * (a01 * y + a02 * z + b0))
-    value += y * (a11 * y + 2.0 * (a12 * z + b1)) + z * (a22 * z + 2.0 * b2) + c
-    return max(value, 0.0)
-
-
-@kernel
-def _minimum(a00, a01, a02, a11, a12, a22, b0, b1, b2):  # type: ignore[no-untyped-def]
-    """Solve A x = -b by LDL'; the first result is False where A is not safely positive definite."""
-    l1, l2 = a01 / a00, a02 / a00
-    d1 = a11 - l1 * a01
-    e = a12 - l1 * a02
-    l3 = e / d1
-    d2 = a22 - l2 * a02 - l3 * e
-    y1 = -b1 + l1 * b0
-    z = (-b2 + l2 * b0 - l3 * y1) / d2
-    y = y1 / d1 - l3 * z
-    return a00 > 0.0 and d1 > 1e-12 * a11 and d2 > 1e-12 * a22, -b0 / a00 - l1 * y - l2 * z, y, z
-
-
-@kernel
-def _cost(h, free, points, quadrics, vertices, twin, mark, kind, valence):  # type: ignore[no-untyped-def]
+def _cost(h, state, points, quadrics, vertices, twin, mark, kind, valence):  # type: ignore[no-untyped-def]
     """Cost of collapsing edge `h`, infinite where its ends must stay apart, and the point they merge in.
 
     A corner never moves and a curve's vertex takes smooth neighbours in without moving; two of a kind meet
-    where their summed quadric is least, or at the best of ends and midpoint where that is ill-posed or not `free`.
+    where their summed quadric is least, or at the best of ends and midpoint where that is ill-posed or was refused.
     """
-    u, v = vertices[h], vertices[_following(h)]
+    u, v = vertices[h], vertices[following(h)]
     a00, a01 = quadrics[u, 0] + quadrics[v, 0], quadrics[u, 1] + quadrics[v, 1]
     a02, a11 = quadrics[u, 2] + quadrics[v, 2], quadrics[u, 3] + quadrics[v, 3]
     a12, a22 = quadrics[u, 4] + quadrics[v, 4], quadrics[u, 5] + quadrics[v, 5]
@@ -137,15 +44,15 @@ def _cost(h, free, points, quadrics, vertices, twin, mark, kind, valence):  # ty
     excess = valence[u] + valence[v] - (3 + inner) - (4 if marked == 2 else 6)
     if ku > SMOOTH and kv > SMOOTH and (marked == 0 or ku + kv == 2 * CORNER):
         return np.inf, ux, uy, uz
-    solved, x, y, z = _minimum(a00, a01, a02, a11, a12, a22, b0, b1, b2)
+    solved, x, y, z = quadric_minimum(a00, a01, a02, a11, a12, a22, b0, b1, b2)
     best = np.inf
-    if solved and free and ku == kv:
-        best = _error(a00, a01, a02, a11, a12, a22, b0, b1, b2, c, x, y, z)
+    if solved and state[h] != REFUSED and ku == kv:
+        best = quadric_error(a00, a01, a02, a11, a12, a22, b0, b1, b2, c, x, y, z)
     else:
         for step in range(3):
             share = 0.0 if ku > kv else 1.0 if ku < kv else 0.5 * step
             px, py, pz = ux + share * (vx - ux), uy + share * (vy - uy), uz + share * (vz - uz)
-            error = _error(a00, a01, a02, a11, a12, a22, b0, b1, b2, c, px, py, pz)
+            error = quadric_error(a00, a01, a02, a11, a12, a22, b0, b1, b2, c, px, py, pz)
             if error < best:
                 best, x, y, z = error, px, py, pz
     return best * (1.0 + VALENCE_WEIGHT * excess * excess), x, y, z
@@ -155,34 +62,34 @@ def _cost(h, free, points, quadrics, vertices, twin, mark, kind, valence):  # ty
 def _keeps_curves(h, twin, mark):  # type: ignore[no-untyped-def]
     """Whether no triangle beside edge `h` has both other sides marked: those two curves would merge."""
     other = np.int64(twin[h])
-    kept = mark[_following(h)] == 0 or mark[_preceding(h)] == 0
+    kept = mark[following(h)] == 0 or mark[preceding(h)] == 0
     if other >= 0:
-        kept = kept and (mark[_following(other)] == 0 or mark[_preceding(other)] == 0)
+        kept = kept and (mark[following(other)] == 0 or mark[preceding(other)] == 0)
     return kept
 
 
 @kernel
 def _shared_neighbours(h, vertices, twin, outgoing, seen, stamp):  # type: ignore[no-untyped-def]
     """Count the vertices next to both ends of edge `h`; `stamp` must not be in `seen` yet."""
-    u, v = vertices[h], vertices[_following(h)]
+    u, v = vertices[h], vertices[following(h)]
     g = np.int64(outgoing[u])
     while g >= 0:
-        back = _preceding(g)
-        seen[vertices[_following(g)]] = stamp
+        back = preceding(g)
+        seen[vertices[following(g)]] = stamp
         seen[vertices[back]] = stamp
         g = np.int64(twin[back])
         if g == outgoing[u]:
-            g = -1
+            g = np.int64(-1)
     shared = 0
     g = np.int64(outgoing[v])
     while g >= 0:
-        shared += seen[vertices[_following(g)]] == stamp
-        back = _preceding(g)
+        shared += seen[vertices[following(g)]] == stamp
+        back = preceding(g)
         g = np.int64(twin[back])
         if g < 0:
             shared += seen[vertices[back]] == stamp
         if g == outgoing[v]:
-            g = -1
+            g = np.int64(-1)
     return shared
 
 
@@ -199,8 +106,8 @@ def _star_change(u, v, x, y, z, points, vertices, twin, outgoing):  # type: igno
     p0, p1, p2 = points[u, 0], points[u, 1], points[u, 2]
     g = outgoing[u]
     while True:
-        back = _preceding(g)
-        a, b = vertices[_following(g)], vertices[back]
+        back = preceding(g)
+        a, b = vertices[following(g)], vertices[back]
         a0, a1, a2 = points[a, 0], points[a, 1], points[a, 2]
         e0, e1, e2 = points[b, 0] - a0, points[b, 1] - a1, points[b, 2] - a2
         side = e0 * e0 + e1 * e1 + e2 * e2
@@ -232,7 +139,7 @@ def _collapse(h, gone, kept, vertices, twin, mark, outgoing, valence, kind):  # 
     g = start
     while True:
         vertices[g] = kept
-        g = twin[_preceding(g)]
+        g = twin[preceding(g)]
         if g < 0 or g == start:
             break
     valence[kept] += valence[gone] - 2
@@ -240,14 +147,14 @@ def _collapse(h, gone, kept, vertices, twin, mark, outgoing, valence, kind):  # 
     for side in (h, np.int64(twin[h])):
         if side < 0:
             continue
-        ahead, back = _following(side), _preceding(side)
+        ahead, back = following(side), preceding(side)
         apex = vertices[back]
         left, right = twin[ahead], twin[back]
         joined = max(mark[ahead], mark[back])
         if left >= 0:
             twin[left] = right
             mark[left] = joined
-            around = _following(left)
+            around = following(left)
         if right >= 0:
             twin[right] = left
             mark[right] = joined
@@ -262,7 +169,7 @@ def _collapse(h, gone, kept, vertices, twin, mark, outgoing, valence, kind):  # 
     outgoing[kept] = around
     if kind[kept] > SMOOTH:
         while twin[outgoing[kept]] >= 0:
-            outgoing[kept] = _following(twin[outgoing[kept]])
+            outgoing[kept] = following(twin[outgoing[kept]])
             if outgoing[kept] == around:
                 break
 
@@ -355,12 +262,12 @@ def collapse_edges(  # type: ignore[no-untyped-def]
     seen = np.zeros(len(points), np.int32)
     stamp = 0
     ceiling = -1.0
-    for h in range(capacity):
-        if vertices[h] >= 0 and twin[h] < h:
-            cost, x, y, z = _cost(h, True, points, quadrics, vertices, twin, mark, kind, valence)
+    for first in range(capacity):
+        if vertices[first] >= 0 and twin[first] < first:
+            cost, x, y, z = _cost(first, state, points, quadrics, vertices, twin, mark, kind, valence)
             if cost < np.inf:
-                state[h] = QUEUED
-                _enter(h, cost, ceiling, keys, edges, sizes)
+                state[first] = QUEUED
+                _enter(first, cost, ceiling, keys, edges, sizes)
 
     while alive > target:
         if sizes[0] == 0:
@@ -372,7 +279,7 @@ def collapse_edges(  # type: ignore[no-untyped-def]
         dead = vertices[h] < 0
         cost = np.inf
         if not dead:
-            cost, x, y, z = _cost(h, state[h] != REFUSED, points, quadrics, vertices, twin, mark, kind, valence)
+            cost, x, y, z = _cost(h, state, points, quadrics, vertices, twin, mark, kind, valence)
             if state[h] >= STALE and keys[0, 0] < cost <= ceiling:
                 state[h] = QUEUED if state[h] == STALE else REFUSED
                 keys[0, 0] = cost
@@ -390,7 +297,7 @@ def collapse_edges(  # type: ignore[no-untyped-def]
         if dead or cost == np.inf:
             continue
 
-        gone, kept = vertices[h], vertices[_following(h)]
+        gone, kept = vertices[h], vertices[following(h)]
         if kind[gone] > kind[kept]:
             gone, kept = kept, gone
         merged = valence[gone] + valence[kept] - (4 if twin[h] >= 0 else 3)
@@ -422,7 +329,7 @@ def collapse_edges(  # type: ignore[no-untyped-def]
         spoke, ring_end = np.int64(outgoing[kept]), False
         while not ring_end:
             if not _grow_stale(spoke, twin, state):
-                cost, x, y, z = _cost(spoke, True, points, quadrics, vertices, twin, mark, kind, valence)
+                cost, x, y, z = _cost(spoke, state, points, quadrics, vertices, twin, mark, kind, valence)
                 if cost < np.inf:
                     state[spoke] = QUEUED
                     _enter(spoke, cost, ceiling, keys, edges, sizes)
@@ -449,7 +356,7 @@ def _next_spoke(h, centre, vertices, twin, outgoing):  # type: ignore[no-untyped
     """
     if vertices[h] != centre:
         return h, True
-    back = _preceding(h)
+    back = preceding(h)
     if twin[back] < 0:
         return back, False
     ahead = np.int64(twin[back])

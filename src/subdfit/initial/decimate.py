@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from subdfit.errors import InputError
-from subdfit.initial._decimate_kernels import CORNER, CURVE, SMOOTH, collapse_edges, vertex_quadrics
+from subdfit.initial._decimate_kernels import CORNER, CURVE, SMOOTH, collapse_edges
+from subdfit.initial._quadric_kernels import vertex_quadrics
 from subdfit.mesh.topology import Topology
 
 logger = logging.getLogger(__name__)
@@ -39,7 +40,7 @@ class Decimated:
     triangles : (t, 3) int64, oriented as the input.
     crease_edges : (e, 2) int64, rows of `points`, each pair ascending; the chains of the input with fewer links.
     corners : (c,) int64, rows of `points`: the corners given, in their order.
-    reached : whether `points` has the number of rows asked for.
+    reached : whether `points` has no more rows than asked for.
     message : one line that says why not; None where it was reached.
     """
 
@@ -97,7 +98,7 @@ def decimate(
     Returns
     -------
     Decimated
-        With the exact number of vertices, or with the fewest that could be reached and a message.
+        With exactly `target` vertices (all, if there are fewer), or with the fewest within reach and a message.
 
     Raises
     ------

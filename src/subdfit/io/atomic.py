@@ -1,6 +1,5 @@
 """A file is written whole or not at all."""
 
-import os
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -28,7 +27,7 @@ def atomic(path: str | Path) -> Iterator[BinaryIO]:
         try:
             with temporary.open("xb") as stream:
                 yield stream
-            os.replace(temporary, target)
+            temporary.replace(target)
         finally:
             temporary.unlink(missing_ok=True)
     except OSError as error:

@@ -1,12 +1,13 @@
 """Control meshes as JSON: one object that keeps everything `MeshData` holds.
 
-``format`` is ``"subdfit mesh"`` and ``version`` 1; ``points`` a list of ``[x, y, z]``; ``faces`` a list of lists of rows of
-`points`; ``creases`` a list of ``[row, row, sharpness]``; ``corners`` a list of ``[row, sharpness]``; ``normals`` a list of
-``[x, y, z]`` or null; ``scheme`` a name or null; ``interpolate_boundary`` 0, 1, 2 or null. Sharpness 10 is sharp for ever.
+``format`` is ``"subdfit mesh"`` and ``version`` 1; ``scheme`` is a name or null; ``interpolate_boundary`` is 0, 1, 2
+or null. ``points`` is a list of ``[x, y, z]``; ``faces`` a list of lists of rows of `points`, counted from 0; ``creases``
+a list of ``[row, row, sharpness]``; ``corners`` a list of ``[row, sharpness]``; ``normals`` a list of ``[x, y, z]``, one
+a point, or null. Sharpness 10 is sharp for ever.
 """
 
 import json
-from itertools import chain
+from itertools import chain, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -60,7 +61,7 @@ def render(data: MeshData, path: Path) -> bytes:
         "scheme": json.dumps(data.scheme),
         "interpolate_boundary": json.dumps(data.interpolate_boundary),
         "points": _array(data.points.tolist()),
-        "faces": _array([corners[start:end] for start, end in zip(bounds[:-1], bounds[1:], strict=True)]),
+        "faces": _array([corners[start:end] for start, end in pairwise(bounds)]),
         "creases": _array([[*ends, sharpness] for ends, sharpness in creases]),
         "corners": _array([list(pair) for pair in sharp_corners]),
         "normals": "null" if data.normals is None else _array(data.normals.tolist()),

@@ -5,7 +5,7 @@ lines from 0. ``t crease 2/1/0 i j S`` (more integers are a chain of edges), ``t
 ``t interpolateboundary 1/0/0 N``; sharpness 10 is sharp for ever. Unknown statements and tags are skipped.
 """
 
-from itertools import chain
+from itertools import chain, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.errors import InputError
-from subdfit.io.numbers import floats, integers, quote, table
 from subdfit.io.tags import boundary_rule, finite_sharpness
+from subdfit.io.text import floats, integers, quote, table
 from subdfit.mesh.data import MeshData
 
 _SCHEME = b"subdivision scheme:"
@@ -76,7 +76,9 @@ def _from_zero(words: Words, before: NDArray[np.int64], where: str) -> NDArray[n
         raise InputError(f"{where}: index 0 does not exist, OBJ counts from 1; export the file again")
     rows = np.where(indices > 0, indices - 1, before + indices)
     if len(rows) and rows.min() < 0:
-        raise InputError(f"{where}: index {indices[np.argmin(rows)]} points before the first row; export the file again")
+        raise InputError(
+            f"{where}: index {indices[np.argmin(rows)]} points before the first row; export the file again"
+        )
     return rows
 
 
@@ -93,7 +95,9 @@ def _vertex_normals(
     if corner_normals is None or corners.max() >= vertex_count:
         return None
     if corner_normals.max() >= len(normals):
-        raise InputError(f"{name}: f: normal {corner_normals.max() + 1} of {len(normals)} is named; export the file again")
+        raise InputError(
+            f"{name}: f: normal {corner_normals.max() + 1} of {len(normals)} is named; export the file again"
+        )
     rows = np.full(vertex_count, -1, np.int64)
     rows[corners] = corner_normals
     if rows.min() < 0 or not np.array_equal(normals[rows[corners]], normals[corner_normals]):
@@ -157,7 +161,7 @@ def render(data: MeshData, path: Path) -> bytes:
     if data.normals is not None:
         names = [f"{row}//{row}" for row in names]
     corners, bounds = [names[row] for row in data.face_vertices.tolist()], data.face_offsets.tolist()
-    lines += [f"f {' '.join(corners[a:b])}" for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
+    lines += [f"f {' '.join(corners[a:b])}" for a, b in pairwise(bounds)]
     if data.interpolate_boundary is not None:
         lines.append(f"t interpolateboundary 1/0/0 {data.interpolate_boundary}")
     creases = finite_sharpness(data.crease_sharpness).tolist()

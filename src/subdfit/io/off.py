@@ -5,13 +5,13 @@ Format as described at http://www.geomview.org/docs/html/OFF.html: text, a line 
 
 import logging
 import re
-from itertools import chain
+from itertools import chain, pairwise
 from pathlib import Path
 
 import numpy as np
 
 from subdfit.errors import InputError
-from subdfit.io.numbers import integers, quote, table
+from subdfit.io.text import integers, quote, table
 from subdfit.mesh.data import MeshData
 
 logger = logging.getLogger(__name__)
@@ -72,6 +72,6 @@ def render(data: MeshData, path: Path) -> bytes:
     lines = ["OFF", f"{len(data.points)} {data.face_count} 0"]
     lines += [f"{x!r} {y!r} {z!r}" for x, y, z in data.points.tolist()]
     corners, bounds = data.face_vertices.tolist(), data.face_offsets.tolist()
-    for start, end in zip(bounds[:-1], bounds[1:], strict=True):
+    for start, end in pairwise(bounds):
         lines.append(f"{end - start} {' '.join(map(str, corners[start:end]))}")
     return ("\n".join(lines) + "\n").encode()

@@ -1,8 +1,8 @@
 """PLY meshes and point clouds.
 
-Beyond the usual elements `vertex` and `face`: an `edge` element with `vertex1 vertex2 sharpness` holds creases, a vertex
-property `corner_sharpness` holds corners (0 is no corner), and the comments ``subdivision scheme: NAME`` and
-``interpolate boundary: N`` the rest. Sharpness 10 is sharp for ever. `tristrips` are read as triangles.
+Beyond the usual elements `vertex` and `face`, an `edge` element with `vertex1 vertex2 sharpness` holds creases,
+a vertex property `corner_sharpness` holds corners (0 is no corner), and the comments ``subdivision scheme: NAME`` and
+``interpolate boundary: N`` hold the rest. Sharpness 10 is sharp for ever. `tristrips` are read as triangles.
 """
 
 from pathlib import Path
@@ -105,7 +105,8 @@ def _strip_triangles(sizes: NDArray[np.int64], values: NDArray[np.int64]) -> NDA
     kept = (a >= 0) & (b >= 0) & (c >= 0) & (a != b) & (b != c) & (c != a)
     turned = ((place - begin)[:-2] & 1).astype(np.bool_)
     triangles = np.stack([np.where(turned, b, a), np.where(turned, a, b), c], axis=1)
-    return triangles[kept].ravel()
+    corners: NDArray[np.int64] = triangles[kept].ravel()
+    return corners
 
 
 def _creases(edge: Table, name: str) -> tuple[NDArray[np.int64], NDArray[np.float64]]:

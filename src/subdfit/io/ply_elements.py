@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.errors import InputError
-from subdfit.io.numbers import floats, integers, quote
+from subdfit.io.text import floats, integers, quote
 
 _TYPES = {
     **dict.fromkeys(("char", "int8"), "i1"),
@@ -125,7 +125,7 @@ def parse_tables(content: bytes, header: Header, wanted: dict[str, set[str]], na
 
 def _cut(name: str, element: Element, unit: str, has: int) -> InputError:
     return InputError(
-        f"{name}: the header states {element.count} rows of '{element.name}', more than the {has} {unit} left can hold; "
+        f"{name}: the header states {element.count} rows of '{element.name}', more than the {has} {unit} left hold; "
         "the file is cut or contradictory, export it again"
     )
 

@@ -26,4 +26,4 @@ def render(data: MeshData, path: Path) -> bytes:
     records["normal"] = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0)
     records["corners"] = corners
     header = b"subdfit".ljust(80)
-    return header + np.uint32(len(triangles)).astype("<u4").tobytes() + records.tobytes()
+    return header + len(triangles).to_bytes(4, "little") + records.tobytes()

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from subdfit.errors import InputError
-from subdfit.io.numbers import quote, table
+from subdfit.io.text import quote, table
 from subdfit.mesh.data import MeshData
 
 

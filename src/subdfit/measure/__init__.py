@@ -1,1 +1,5 @@
-"""TBD."""
+"""Two-sided errors and the certificate."""
+
+from subdfit.measure.certificate import CurveErrors, Measurement, Tolerance, measure
+
+__all__ = ["CurveErrors", "Measurement", "Tolerance", "measure"]

@@ -64,6 +64,8 @@ class Polygons:
 
     def by_size(self) -> list[tuple[Indices, Indices]]:
         """Return (rows, (rows, size) corners) for each number of corners, ascending."""
+        if self.count and self.offsets[1] > 0 and (self.sizes == self.sizes[0]).all():
+            return [(np.arange(self.count), self.corners.reshape(self.count, -1))]
         groups = []
         for size in np.unique(self.sizes):
             rows = np.flatnonzero(self.sizes == size)

@@ -79,7 +79,7 @@ def twist_cut(faces: Polygons, edges: Edges, twisted: Flags) -> tuple[Flags, Fla
     clashing = set(zip(f[clash].tolist(), g[clash].tolist(), strict=True))
     turned = np.zeros(faces.count, np.bool_)
     reached = ~twisted
-    for seed in np.flatnonzero(twisted):
+    for seed in np.flatnonzero(twisted).tolist():
         if reached[seed]:
             continue
         order, before = breadth_first_order(dual, seed, directed=False)

@@ -25,26 +25,27 @@ def without_area(faces: Polygons, points: NDArray[np.float64]) -> NDArray[np.boo
 
     A polygon is judged by the triangles of its fan from its first corner.
     """
+    unit = points / max(float(np.abs(points).max()), np.finfo(np.float64).tiny)
+    x, y, z = np.ascontiguousarray(unit.T)
+    reach = np.maximum(np.maximum(np.abs(x), np.abs(y)), np.abs(z))
     flat = np.zeros(faces.count, np.bool_)
     for rows, corners in faces.by_size():
-        flat[rows] = True
-        size = corners.shape[1]
-        for i in range(1, size - 1):
-            flat[rows] &= _flat_triangles(points[corners[:, 0]], points[corners[:, i]], points[corners[:, i + 1]])
+        level = np.ones(len(rows), np.bool_)
+        for i in range(1, corners.shape[1] - 1):
+            a, b, c = corners[:, 0], corners[:, i], corners[:, i + 1]
+            u, v = [axis[b] - axis[a] for axis in (x, y, z)], [axis[c] - axis[a] for axis in (x, y, z)]
+            w = [q - p for p, q in zip(u, v, strict=True)]
+            longest = np.maximum(np.maximum(_square(u), _square(v)), _square(w))
+            area = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+            height = _FLATNESS * np.maximum(np.maximum(reach[a], reach[b]), reach[c])
+            level &= _square(area) <= height * height * longest
+        flat[rows] = level
     return flat
 
 
-def _flat_triangles(a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64]) -> NDArray[np.bool_]:
-    scale = np.maximum(np.maximum(np.abs(a), np.abs(b)), np.abs(c)).max(axis=1)
-    unit = np.where(scale > 0, scale, 1.0)[:, None]
-    u, v = (b - a) / unit, (c - a) / unit
-    w = v - u
-    longest = np.sqrt(np.maximum(np.maximum((u * u).sum(axis=1), (v * v).sum(axis=1)), (w * w).sum(axis=1)))
-    x = u[:, 1] * v[:, 2] - u[:, 2] * v[:, 1]
-    y = u[:, 2] * v[:, 0] - u[:, 0] * v[:, 2]
-    z = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
-    flat: NDArray[np.bool_] = np.sqrt(x * x + y * y + z * z) <= _FLATNESS * longest
-    return flat
+def _square(vector: list[NDArray[np.float64]]) -> NDArray[np.float64]:
+    x, y, z = vector
+    return x * x + y * y + z * z
 
 
 def remove_slivers(

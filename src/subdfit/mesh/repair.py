@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from subdfit.errors import InputError
 from subdfit.mesh._polygons import Edges, Indices, Polygons, edges_of
+from subdfit.mesh._repair_kernels import merge_labels
 from subdfit.mesh._sheets import match_crowded, orientation, split_fans, twist_cut
 from subdfit.mesh._slivers import remove_slivers, without_area
 from subdfit.mesh.data import MeshData
@@ -40,18 +41,21 @@ def check(data: MeshData, name: str = "mesh") -> None:
     ------
     InputError
         There are no points, a coordinate is not finite (or so large that its square is not), a face, crease or
-        corner names a vertex that does not exist, or a sharpness is no number from 0 on.
+        corner names a vertex that does not exist, a sharpness is no number from 0 on, or normals are not one a point.
     """
     count = len(data.points)
     if count == 0:
         raise InputError(f"{name}: has no points; export the mesh again")
-    bad = np.flatnonzero(~(np.abs(data.points) < _LARGEST).all(axis=1))
-    if len(bad):
+    fine = np.abs(data.points) < _LARGEST
+    if not fine.all():
+        bad = np.flatnonzero(~fine.all(axis=1))
         place = " ".join(f"{x:g}" for x in data.points[bad[0]])
         raise InputError(
             f"{name}: {len(bad)} vertices are not finite or too large to compute with, the first is row {bad[0]} "
             f"({place}); remove or correct them"
         )
+    if data.normals is not None and data.normals.shape != data.points.shape:
+        raise InputError(f"{name}: has {len(data.normals)} normals for {count} points; give one each, or none")
     _check_rows(data.face_vertices, count, name, "corner", "faces")
     _check_rows(data.crease_edges.ravel(), count, name, "end", "creases")
     _check_rows(data.corner_vertices, count, name, "entry", "corners")
@@ -62,8 +66,8 @@ def check(data: MeshData, name: str = "mesh") -> None:
 
 
 def _check_rows(rows: Indices, count: int, name: str, part: str, whole: str) -> None:
-    bad = np.flatnonzero((rows < 0) | (rows >= count))
-    if len(bad):
+    if len(rows) and (rows.min() < 0 or rows.max() >= count):
+        bad = np.flatnonzero((rows < 0) | (rows >= count))
         raise InputError(
             f"{name}: {part} {bad[0]} of the {whole} names vertex {rows[bad[0]]}, there are {count} (rows from 0); "
             "export the mesh again"
@@ -136,36 +140,41 @@ class _Bench:
 
     def count_isolated(self) -> None:
         """Tell of vertices without a face; `finish` leaves them out."""
-        isolated = len(self.origin) - np.count_nonzero(np.bincount(self.faces.corners, minlength=len(self.origin)))
+        isolated = int((np.bincount(self.faces.corners, minlength=len(self.origin)) == 0).sum())
         self._say(isolated, "isolated vertex", "isolated vertices", "left out")
 
     def merge_soup(self) -> None:
-        """Merge vertices at one position, if that makes a surface of a soup of faces.
+        """Merge boundary vertices at one position, if that makes a surface of a soup of pieces.
 
-        It does when the faces hang together by nothing else, or when most boundary edges find their other side and
-        no edge gets a third face. A surface that merely touches itself stays as it is.
+        It does when the faces hang together by nothing else; or when most boundary edges find their other side, as a
+        rule on another piece, and no edge gets a third face. A surface that merely touches itself stays as it is.
         """
-        used = np.flatnonzero(np.bincount(self.faces.corners, minlength=len(self.origin)))
+        faces, now = self.faces, self.edges
+        rim = np.unique(np.concatenate((faces.corners[now.boundary], faces.heads[now.boundary])))
         merged = self.merged.copy()
-        merged[used] = _first_at_same_position(self.data.points, used)
-        count = np.count_nonzero(merged != self.merged)
-        if count == 0 or len(self.edges.boundary) == 0:
+        merged[rim] = _first_at_same_position(self.data.points, rim)
+        count = int((merged != self.merged).sum())
+        if count == 0:
             return
-        joined = Polygons(self.faces.offsets, merged[self.faces.corners])
-        now, then = self.edges, edges_of(joined)
-        loose = len(now.boundary) == len(self.faces.corners)
-        clean = len(then.crowded) <= len(now.crowded) and 2 * len(then.boundary) <= len(now.boundary)
-        if len(then.boundary) < len(now.boundary) and (loose or clean):
+        joined = Polygons(faces.offsets, merged[faces.corners])
+        then = edges_of(joined)
+        gain = len(now.boundary) - len(then.boundary)
+        pieces = merge_labels(faces.face[now.first], faces.face[now.second], faces.count)
+        between = np.count_nonzero(pieces[faces.face[then.first]] != pieces[faces.face[then.second]])
+        loose = len(now.boundary) == len(faces.corners)
+        seams = 2 * gain >= len(now.boundary) and 4 * between >= gain and len(then.crowded) <= len(now.crowded)
+        if gain > 0 and (loose or seams):
             self.merged = merged
             self._set(joined)
-            self._say(int(count), "repeated position", "repeated positions", "of a soup of faces merged")
+            self._say(count, "repeated position", "repeated positions", "of a soup of faces merged")
 
     def drop_repeats(self) -> None:
         """Cut faces that repeat a vertex into loops that do not, and drop loops of one or two corners."""
         bad = self.faces.sizes < 3
         for rows, corners in self.faces.by_size():
             ordered = np.sort(corners, axis=1)
-            bad[rows] |= (ordered[:, 1:] == ordered[:, :-1]).any(axis=1)
+            for i in range(1, corners.shape[1]):
+                bad[rows] |= ordered[:, i] == ordered[:, i - 1]
         if not bad.any():
             return
         bounds = self.faces.offsets
@@ -179,13 +188,23 @@ class _Bench:
         self._say(int(bad.sum()), "face that repeats a vertex", "faces that repeat a vertex", deed)
 
     def drop_duplicates(self) -> None:
-        """Keep one of the faces with the same corners in the same cyclic order, whichever way round."""
-        kept = np.ones(self.faces.count, np.bool_)
-        for rows, corners in self.faces.by_size():
-            kept[rows] = _first_of_each(_canonical(corners))
-        if not kept.all():
-            self._set(self.faces.select(kept))
-            self._say(int((~kept).sum()), "duplicate face", "duplicate faces", "taken out")
+        """Keep one of the faces with the same corners in the same order.
+
+        Of two that run opposite ways one goes too, if that frees all edges of a third face; else they may be the two
+        sides of a thin sheet, which stay.
+        """
+        before = self.faces.count
+        if _first_of_each(self.faces, turned_too=True).all():
+            return
+        first = _first_of_each(self.faces, turned_too=False)
+        if not first.all():
+            self._set(self.faces.select(first))
+        crowded = np.zeros(self.faces.count, np.bool_)
+        crowded[self.faces.face[np.concatenate([np.empty(0, np.int64), *self.edges.crowded])]] = True
+        single = self.faces.select(_first_of_each(self.faces, turned_too=True) | ~crowded)
+        if single.count < self.faces.count and not edges_of(single).crowded:
+            self._set(single)
+        self._say(before - self.faces.count, "duplicate face", "duplicate faces", "taken out")
 
     def take_out_slivers(self) -> None:
         """Take out faces without area."""
@@ -312,6 +331,8 @@ class _Bench:
 
 def _first_at_same_position(points: NDArray[np.float64], rows: Indices) -> Indices:
     """For each of `rows` the lowest of them at exactly its position."""
+    if not len(rows):
+        return rows
     places = points[rows] + 0.0  # -0 and 0 are one place
     order = np.lexsort((places[:, 2], places[:, 1], places[:, 0]))  # stable: lowest row first
     ordered = places[order]
@@ -330,21 +351,44 @@ def _simple_loops(corners: list[int]) -> list[list[int]]:
     return [corners] if len(corners) > 2 else []
 
 
-def _canonical(corners: Indices) -> Indices:
-    """Turn each row (m, k) to start at its lowest vertex and go on with the lower of that one's neighbours."""
+def _first_of_each(faces: Polygons, *, turned_too: bool) -> NDArray[np.bool_]:
+    """Mark the first of faces with the same corners in the same cyclic order, or (`turned_too`) in the opposite one."""
+    first = np.ones(faces.count, np.bool_)
+    for rows, corners in faces.by_size():
+        alike = np.flatnonzero(_maybe_repeated(corners))
+        if not len(alike):
+            continue
+        keys = _canonical(corners[alike], turned_too)
+        order = np.lexsort(keys.T[::-1])
+        ordered = keys[order]
+        repeat = (ordered[1:] == ordered[:-1]).all(axis=1)
+        first[rows[alike[order[1:][repeat]]]] = False
+    return first
+
+
+def _maybe_repeated(corners: Indices) -> NDArray[np.bool_]:
+    """Mark rows whose corners, in any order, have a hash that another row has too."""
+    mixed = (corners.astype(np.uint64) + np.uint64(1)) * np.uint64(0x9E3779B97F4A7C15)
+    mixed ^= mixed >> np.uint64(29)
+    mixed *= np.uint64(0xBF58476D1CE4E5B9)
+    hashes = mixed[:, 0].copy()
+    for column in range(1, corners.shape[1]):
+        hashes += mixed[:, column]
+    ordered = np.sort(hashes)
+    repeated = np.unique(ordered[1:][ordered[1:] == ordered[:-1]])
+    if not len(repeated):
+        return np.zeros(len(corners), np.bool_)
+    slot = np.minimum(np.searchsorted(repeated, hashes), len(repeated) - 1)
+    found: NDArray[np.bool_] = repeated[slot] == hashes
+    return found
+
+
+def _canonical(corners: Indices, turned_too: bool) -> Indices:
+    """Turn each row (m, k) to start at its lowest vertex and, if `turned_too`, go on with the lower neighbour."""
     size = corners.shape[1]
-    if size == 3:
-        return np.sort(corners, axis=1)
     start = np.argmin(corners, axis=1)[:, None]
     ahead = np.take_along_axis(corners, (start + np.arange(size)) % size, axis=1)
+    if not turned_too:
+        return ahead
     back = np.take_along_axis(corners, (start - np.arange(size)) % size, axis=1)
     return np.where((ahead[:, 1] <= back[:, 1])[:, None], ahead, back)
-
-
-def _first_of_each(rows: Indices) -> NDArray[np.bool_]:
-    """Mark the first of equal rows."""
-    order = np.lexsort(rows.T[::-1])
-    ordered = rows[order]
-    first = np.ones(len(rows), np.bool_)
-    first[order[1:]] = (ordered[1:] != ordered[:-1]).any(axis=1)
-    return first

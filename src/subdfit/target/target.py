@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from subdfit.errors import InputError
 from subdfit.target.bvh import SegmentTree, TriangleTree
@@ -61,6 +62,11 @@ class Target:
     def crease_tree(self) -> SegmentTree | None:
         """Search for closest points on the creases; None where there are none."""
         return SegmentTree(self.points, self.crease_edges) if len(self.crease_edges) else None
+
+    def nearest_point(self, queries: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Distances of (q, 3) queries from the nearest used point, (q,): what a cloud knows of closeness."""
+        distance, _ = cKDTree(self.points[self.used]).query(queries)
+        return np.asarray(distance, np.float64)
 
     @cached_property
     def sagitta(self) -> NDArray[np.float64]:

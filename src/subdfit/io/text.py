@@ -29,7 +29,9 @@ def table(rows: list[list[bytes]], columns: int, where: str) -> NDArray[np.float
     """Convert the first `columns` words of each row to (n, columns) float64; raises InputError for a short row."""
     if rows and min(map(len, rows)) < columns:
         short = next(row for row in rows if len(row) < columns)
-        raise InputError(f"{where}: '{quote(b' '.join(short))}' has fewer than {columns} numbers; export the file again")
+        raise InputError(
+            f"{where}: '{quote(b' '.join(short))}' has fewer than {columns} numbers; export the file again"
+        )
     words = list(chain.from_iterable(row[:columns] for row in rows))
     return floats(words, where).reshape(-1, columns)
 

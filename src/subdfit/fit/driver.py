@@ -1,0 +1,187 @@
+"""The driver: from a target to a certified result, by any method."""
+
+import logging
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from subdfit.compiled import compile_clock
+from subdfit.errors import InputError
+from subdfit.fit.auto import Auto
+from subdfit.fit.data import FitData
+from subdfit.fit.fitter import Fitter
+from subdfit.fit.geometric import Geometric
+from subdfit.fit.result import FitResult, Iteration, Status
+from subdfit.fit.settings import FitSettings
+from subdfit.fit.state import FitState
+from subdfit.fit.stop import badness, within
+from subdfit.initial.start import start_mesh
+from subdfit.limit.surface import LimitSurface
+from subdfit.measure import Measurement, measure
+from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.target.frame import Frame
+from subdfit.target.target import Target
+
+logger = logging.getLogger(__name__)
+
+METHODS: dict[str, Callable[[FitSettings], Fitter]] = {"auto": Auto, "geometric": Geometric}
+
+PATIENCE = 24
+"""Iterations without a better state, at the budget of control vertices, after which the best is returned."""
+
+
+class Progress(NamedTuple):
+    """What a progress callback receives.
+
+    Attributes
+    ----------
+    stage : ``start``, ``fit`` or ``certificate``.
+    iteration, control_vertices : where the fit stands.
+    max, rms : errors as shares of the diagonal.
+    seconds : since the fit began.
+    control_mesh : this iteration's control mesh, in the target's unit: usable as it is.
+    """
+
+    stage: str
+    iteration: int
+    control_vertices: int
+    max: float
+    rms: float
+    seconds: float
+    control_mesh: ControlMesh
+
+
+@dataclass
+class _Run:
+    """One fit under way: its clock, its history, its best state."""
+
+    target: Target
+    settings: FitSettings
+    frame: Frame
+    callback: Callable[[Progress], None] | None
+    begun: float = field(default_factory=time.perf_counter)
+    compiled: float = field(default_factory=lambda: compile_clock.seconds)
+    history: list[Iteration] = field(default_factory=list)
+    seconds: dict[str, float] = field(default_factory=dict)
+    best: FitState | None = None
+    best_value: float = np.inf
+    best_iteration: int = 0
+
+    def record(self, stage: str, state: FitState) -> None:
+        """Note an iteration, keep the best state, tell the caller."""
+        errors = state.errors
+        elapsed = time.perf_counter() - self.begun
+        count = state.surface.topology.vertex_count
+        row = Iteration(len(self.history), count, errors.max, errors.rms, errors.mean, elapsed)
+        self.history.append(row)
+        value = badness(state, self.settings.tolerance)
+        if value < self.best_value:
+            self.best, self.best_value, self.best_iteration = state, value, row.iteration
+        logger.debug("%s %d: %d vertices, max %.3e, rms %.3e", stage, row.iteration, count, errors.max, errors.rms)
+        if self.callback is not None:
+            mesh = self.outside(state)
+            self.callback(Progress(stage, row.iteration, count, errors.max, errors.rms, elapsed, mesh))
+
+    def outside(self, state: FitState) -> ControlMesh:
+        """The state's control mesh in the target's coordinates."""
+        mesh = state.surface.control_mesh
+        return ControlMesh(mesh.topology, self.frame.outside(mesh.points), state.surface.scheme.name)
+
+    def timed(self, stage: str, since: float) -> None:
+        """Add the time since `since` to a stage."""
+        self.seconds[stage] = self.seconds.get(stage, 0.0) + time.perf_counter() - since
+
+
+def fit_target(
+    target: Target,
+    settings: FitSettings,
+    progress: Callable[[Progress], None] | None = None,
+    unit: str | None = None,
+) -> FitResult:
+    """Fit a subdivision surface to a target.
+
+    Parameters
+    ----------
+    target
+        The data, in the caller's unit.
+    settings
+        What is asked.
+    progress
+        Called after every iteration with a `Progress`.
+    unit
+        The unit's name, for messages.
+
+    Returns
+    -------
+    FitResult
+        Running out of iterations or budget is a status, not an error; so is Ctrl-C, which returns the best so far.
+
+    Raises
+    ------
+    InputError
+        Unknown method, or a scheme that cannot take the target.
+    KeyboardInterrupt
+        Ctrl-C before there was a first control mesh.
+    """
+    if settings.method not in METHODS:
+        raise InputError(f"unknown method '{settings.method}'; choose one of {', '.join(METHODS)}")
+    run = _Run(target, settings, Frame.of(target.points[target.used]), progress)
+    clock = time.perf_counter()
+    data = FitData.of(target, run.frame, settings.sample_spacing)
+    mesh = start_mesh(target, run.frame, settings.control_vertices, settings.tolerance.max)
+    run.timed("start", clock)
+    clock = time.perf_counter()
+    state = FitState.start(data, LimitSurface(mesh, settings.scheme))
+    run.timed("footpoints", clock)
+    interrupted = False
+    clock = time.perf_counter()
+    try:
+        run.record("start", state)
+        state = _iterate(run, state)
+    except KeyboardInterrupt:
+        if run.best is None:
+            raise
+        interrupted, state = True, run.best
+    run.timed("fit", clock)
+    clock = time.perf_counter()
+    measurement = measure(state.surface, target, run.frame, settings.sample_spacing)
+    run.timed("certificate", clock)
+    return _result(run, state, measurement, interrupted, unit)
+
+
+def _iterate(run: _Run, state: FitState) -> FitState:
+    """Advance until a state with fresh footpoints is within tolerance, or there is no hope; return the best."""
+    settings = run.settings
+    fitter = METHODS[settings.method](settings)
+    for _ in range(settings.max_iterations):
+        if within(state, settings.tolerance):
+            clock = time.perf_counter()
+            state = state.verified()
+            run.timed("verification", clock)
+            if within(state, settings.tolerance):
+                return state
+        state = fitter.advance(state)
+        run.record("fit", state)
+        budget = settings.max_control_vertices
+        full = budget is not None and state.surface.topology.vertex_count >= budget
+        if full and len(run.history) - run.best_iteration > PATIENCE:
+            break
+    assert run.best is not None
+    return run.best
+
+
+def _result(
+    run: _Run, state: FitState, measurement: Measurement, interrupted: bool, unit: str | None
+) -> FitResult:
+    tolerance = run.settings.tolerance
+    met = tolerance.met(measurement.max, measurement.rms, measurement.mean)
+    certified = measurement.certifies(tolerance, cloud=not run.target.is_mesh)
+    status: Status = "interrupted" if interrupted else ("within_tolerance" if met else "best_effort")
+    run.seconds["compile"] = compile_clock.seconds - run.compiled
+    run.seconds["total"] = time.perf_counter() - run.begun - run.seconds["compile"]
+    return FitResult(
+        run.outside(state), status, certified, measurement, tuple(run.history), run.settings, run.seconds, unit
+    )

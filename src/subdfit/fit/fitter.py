@@ -1,0 +1,13 @@
+"""What a fitting method is: settings, and one iteration from state to state. One driver runs them all."""
+
+from typing import Protocol
+
+from subdfit.fit.state import FitState
+
+
+class Fitter(Protocol):
+    """A fitting method; it holds what it must remember between iterations, the state holds everything else."""
+
+    def advance(self, state: FitState) -> FitState:
+        """One iteration: move the control points, adapting the control mesh first where that is due."""
+        ...

@@ -1,0 +1,143 @@
+"""The method ``geometric``: Loop fitting by geometric algorithms (Nishiyama, Morioka and Maekawa 2008), step by step.
+
+No linear system: each control vertex moves by the mean error vector of the points over its one-ring, weighted by their
+barycentric coordinates (equations 3 to 5). Every five iterations control vertices are inserted where the error is large.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subdfit.closest.projection import Projector
+from subdfit.fit import _kernels as kernels
+from subdfit.fit.adapt import close_editor, face_maxima, open_editor, place_subdivided
+from subdfit.fit.settings import FitSettings
+from subdfit.fit.state import FOOTPOINT_TOLERANCE, FitState
+from subdfit.fit.stop import within
+
+Floats = NDArray[np.float64]
+
+INSERTION_PERIOD = 5
+"""Control vertices are inserted once in five iterations (section 5)."""
+SETTLED = 1e-4
+"""A footpoint that moved less than this share of the diagonal counts as settled."""
+
+
+class Geometric:
+    """Nishiyama's algorithm as printed; the boundary step, over-relaxation and momentum are ours and can be switched."""
+
+    def __init__(self, settings: FitSettings) -> None:
+        self.settings = settings
+        self._iteration = 0
+        self._momentum = 1.0
+        self._before: Floats | None = None
+        self._settled: NDArray[np.bool_] | None = None
+
+    def advance(self, state: FitState) -> FitState:
+        """One iteration: insertion when due, displacement, new footpoints."""
+        if self._iteration and self._iteration % INSERTION_PERIOD == 0:
+            state = self.insert_control_vertices(state)
+        self._iteration += 1
+        start = self._extrapolated(state)
+        points = start.surface.control_mesh.points + self.settings.over_relaxation * self.displacements(start)
+        return self.recompute_footpoints(start, points)
+
+    def displacements(self, state: FitState) -> Floats:
+        """Displacement of each control vertex, (n, 3): equations 3 and 4. Where the weights sum to zero it is zero."""
+        surface = state.surface
+        error = state.data.points - surface.evaluate(state.face, state.uv).position
+        inside = np.arange(len(error))
+        if self.settings.boundary_step:
+            inside = np.flatnonzero(state.data.surface_rows)
+        moved = np.zeros((surface.topology.vertex_count, 3))
+        weight = np.zeros(len(moved))
+        face, uv = state.face[inside], state.uv[inside]
+        kernels.barycentric_sums(face, uv, error[inside], surface.domain.vertex, 0, len(face), moved, weight)
+        displacement = np.divide(moved, weight[:, None], out=np.zeros_like(moved), where=weight[:, None] > 1e-9)
+        if self.settings.boundary_step or self.settings.fixed_boundary:
+            self.curve_displacements(state, displacement)
+        return displacement
+
+    def curve_displacements(self, state: FitState, displacement: Floats) -> None:
+        """Our boundary step: vertices on curves move by the errors of curve points alone, by their weights along it."""
+        for found, curves, rows in zip(
+            (state.boundary, state.crease), state.curves, (state.data.boundary, state.data.crease), strict=True
+        ):
+            if found is None or curves is None:
+                continue
+            ends = curves.ends[found.side]
+            error = state.data.points[rows] - found.position
+            moved, weight = np.zeros_like(displacement), np.zeros(len(displacement))
+            for end, share in ((0, 1 - found.t), (1, found.t)):
+                np.add.at(moved, ends[:, end], share[:, None] * error)
+                np.add.at(weight, ends[:, end], share)
+            on_curve = np.unique(curves.ends)
+            displacement[on_curve] = 0.0
+            fixed = self.settings.fixed_boundary and found is state.boundary
+            hit = on_curve[weight[on_curve] > 1e-9]
+            if not fixed:
+                displacement[hit] = moved[hit] / weight[hit, None]
+
+    def recompute_footpoints(self, state: FitState, points: Floats) -> FitState:
+        """Newton's method from the footpoints before, by the tangent-plane linearisation; settled ones stay frozen.
+
+        The driver computes all footpoints afresh before it believes a fit.
+        """
+        surface = state.surface.with_points(points)
+        projector = Projector(surface, FOOTPOINT_TOLERANCE, second_order=False)
+        rows = projector.order(state.face)
+        if self._settled is not None and len(self._settled) == len(state.face):
+            rows = rows[~self._settled[rows]]
+        found = projector.refine(state.data.points, state.face, state.uv, rows)
+        position = surface.evaluate(found.face, found.uv).position
+        distance = np.linalg.norm(position - state.data.points, axis=1)
+        step = np.linalg.norm(position - surface.evaluate(state.face, state.uv).position, axis=1)
+        frozen = np.ones(len(step), np.bool_)
+        frozen[rows] = step[rows] < SETTLED * 1e-2
+        self._settled = frozen
+        moved = replace(state, surface=surface, face=found.face, uv=found.uv, distance=distance)
+        return moved.with_curves_of(surface)
+
+    def insert_control_vertices(self, state: FitState) -> FitState:
+        """Topological adjustment (section 5): 1-to-4 splits with crack-fixing, regularisation, angle-improving flips."""
+        self._settled = None
+        self._before, self._momentum = None, 1.0
+        tolerance = self.settings.tolerance
+        state = state.refreshed(tolerance.max or 0.0)
+        if within(state, tolerance):
+            return state
+        chosen = self._faces_to_split(state)
+        budget = self.settings.max_control_vertices
+        if not chosen.any() or (budget is not None and state.surface.topology.vertex_count >= budget):
+            return state
+        editor = open_editor(state)
+        editor.mark()
+        place_subdivided(editor, editor.split_faces(chosen), state)
+        region = editor.touched()
+        editor.regularise_connectivity(region)
+        editor.improve_angles(region, max_rise=0)
+        return close_editor(editor, state)
+
+    def _faces_to_split(self, state: FitState) -> NDArray[np.bool_]:
+        """Regions where the error does not become small enough: the face maximum, or its mean where only that is asked."""
+        tolerance, errors = self.settings.tolerance, state.errors
+        chosen = np.zeros(state.surface.domain.face_count, np.bool_)
+        if tolerance.max is not None:
+            chosen |= face_maxima(state) > tolerance.max
+        if not replace(tolerance, max=None).met(errors.max, errors.rms, errors.mean):
+            count = np.bincount(state.face, minlength=len(chosen))
+            mean = np.bincount(state.face, state.distance, minlength=len(chosen)) / np.maximum(count, 1)
+            chosen[np.argsort(-mean, kind="stable")[: max(1, len(chosen) // 20)]] = True
+        return chosen
+
+    def _extrapolated(self, state: FitState) -> FitState:
+        """Nesterov's momentum on the control points, where it is asked for."""
+        if not self.settings.nesterov:
+            return state
+        points = state.surface.control_mesh.points
+        before = self._before if self._before is not None and len(self._before) == len(points) else points
+        following = (1 + np.sqrt(1 + 4 * self._momentum**2)) / 2
+        share = (self._momentum - 1) / following
+        self._momentum, self._before = float(following), points
+        return replace(state, surface=state.surface.with_points(points + share * (points - before)))

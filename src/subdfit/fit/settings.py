@@ -1,0 +1,37 @@
+"""What a fit is asked to do."""
+
+from dataclasses import dataclass, field
+
+from subdfit.measure import Tolerance
+
+
+@dataclass(frozen=True)
+class FitSettings:
+    """Settings of a fit; lengths are shares of the target's diagonal.
+
+    Attributes
+    ----------
+    scheme : subdivision scheme by name.
+    method : fitter by name, ``auto`` or ``geometric``.
+    tolerance : what must hold.
+    control_vertices : vertices of the first control mesh; None chooses from the tolerance.
+    max_control_vertices : budget; None is unbounded.
+    fixed_boundary : the boundary of the first control mesh stays where it is.
+    max_iterations : after so many iterations the best so far is returned.
+    sample_spacing : faces of the target with longer sides are sampled inside.
+    over_relaxation : factor on the displacements of ``geometric`` (1 is the paper's).
+    nesterov : accelerate ``geometric`` by Nesterov's momentum.
+    boundary_step : move the boundary control vertices of ``geometric`` by boundary data alone; the paper has no such step.
+    """
+
+    scheme: str = "loop"
+    method: str = "auto"
+    tolerance: Tolerance = field(default_factory=lambda: Tolerance(max=1e-3))
+    control_vertices: int | None = None
+    max_control_vertices: int | None = None
+    fixed_boundary: bool = False
+    max_iterations: int = 120
+    sample_spacing: float = 0.02
+    over_relaxation: float = 1.0
+    nesterov: bool = False
+    boundary_step: bool = True

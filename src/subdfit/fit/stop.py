@@ -1,0 +1,30 @@
+"""When a fit may stop: the tolerance, for surface and curves."""
+
+from subdfit.fit.state import FitState
+from subdfit.measure import Tolerance
+
+CURVE_FACTOR = 2.0
+"""Points on curves may lie this many tolerances from the fitted curve; their distance from the surface is still held."""
+
+
+def within(state: FitState, tolerance: Tolerance) -> bool:
+    """Whether the state's errors, curves too, hold all that is asked."""
+    errors = state.errors
+    largest = max(errors.max, errors.excess)
+    if not tolerance.met(largest, errors.rms, errors.mean):
+        return False
+    return tolerance.max is None or state.curve_distances.max(initial=0.0) <= CURVE_FACTOR * tolerance.max
+
+
+def badness(state: FitState, tolerance: Tolerance) -> float:
+    """Largest ratio of an error to what is asked: at most 1 within tolerance; orders best states."""
+    errors = state.errors
+    asked = ((tolerance.max, max(errors.max, errors.excess)), (tolerance.rms, errors.rms), (tolerance.mean, errors.mean))
+    return max((value / bound for bound, value in asked if bound), default=errors.max)
+
+
+def face_bound(tolerance: Tolerance, state: FitState) -> float:
+    """Error above which a face is refined, also where only a mean or rms is asked: three times that."""
+    candidates = [tolerance.max]
+    candidates += [3 * bound for bound in (tolerance.rms, tolerance.mean) if bound is not None]
+    return min(bound for bound in candidates if bound is not None) if any(c is not None for c in candidates) else 0.0

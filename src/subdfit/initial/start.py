@@ -1,0 +1,59 @@
+"""The first control mesh: the target decimated to a number of vertices chosen from the tolerance."""
+
+import logging
+
+import numpy as np
+
+from subdfit.errors import InputError
+from subdfit.initial.decimate import decimate
+from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.target.frame import Frame
+from subdfit.target.target import Target
+
+logger = logging.getLogger(__name__)
+
+LEAST_SHARE, MOST_SHARE = 0.01, 0.05
+"""The first control mesh has 1 to 5 % of the points (Nishiyama et al. 2008, section 3)."""
+
+
+def start_mesh(target: Target, frame: Frame, vertices: int | None, max_error: float | None) -> ControlMesh:
+    """Decimate the target, in normalised coordinates.
+
+    Parameters
+    ----------
+    target, frame
+        The data, and what normalises it.
+    vertices
+        Vertices wanted; None takes 5 % of the points for tolerances of .05 % of the diagonal and less, 1 % for 1 % and
+        more, and in between by the logarithm.
+    max_error
+        The tolerance as a share of the diagonal; None counts as .1 %.
+
+    Raises
+    ------
+    InputError
+        The target has no faces.
+    """
+    if not target.is_mesh:
+        raise InputError("the target has points only; reconstruct a mesh from them first, or give faces")
+    wanted = default_vertices(len(target.used), max_error or 1e-3) if vertices is None else vertices
+    row = np.full(len(target.points), -1, np.int64)
+    row[target.used] = np.arange(len(target.used))
+    found = decimate(
+        frame.inside(target.points[target.used]),
+        row[target.triangles],
+        wanted,
+        crease_edges=row[target.crease_edges],
+    )
+    if found.message:
+        logger.warning("%s", found.message)
+    return ControlMesh.from_triangles(
+        found.points, found.triangles, crease_edges=found.crease_edges, corner_vertices=found.corners
+    )
+
+
+def default_vertices(points: int, max_error: float) -> int:
+    """Vertices to start from, for a number of points and a tolerance as a share of the diagonal."""
+    level = np.clip(np.log(max_error / 5e-4) / np.log(1e-2 / 5e-4), 0.0, 1.0)
+    share = MOST_SHARE * (LEAST_SHARE / MOST_SHARE) ** level
+    return max(4, round(share * points))

@@ -1,0 +1,149 @@
+"""Two-sided errors of a limit surface against a target, and the certificate.
+
+Every number is found afresh: footpoints of all data points by a global search that no earlier parameter can mislead, the
+reverse side from samples of the surface, curves apart.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subdfit.closest.curves import SurfaceCurves
+from subdfit.closest.projection import Projection, Projector
+from subdfit.limit.surface import LimitSurface
+from subdfit.limit.tessellate import lattice
+from subdfit.target.frame import Frame
+from subdfit.target.sampling import face_samples
+from subdfit.target.target import Target
+
+Floats = NDArray[np.float64]
+
+REVERSE_SEGMENTS = 4
+"""Segments a cell side when the surface is sampled: sixteen samples a control vertex of a triangle mesh."""
+
+
+@dataclass(frozen=True)
+class CurveErrors:
+    """Distances of the target's curve points from the surface's curves, as shares of the diagonal."""
+
+    max: float
+    mean: float
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """What is asked, as shares of the diagonal; None is not asked."""
+
+    max: float | None = None
+    rms: float | None = None
+    mean: float | None = None
+
+    def met(self, max_error: float, rms: float, mean: float) -> bool:
+        """Whether errors hold all that is asked."""
+        asked = ((self.max, max_error), (self.rms, rms), (self.mean, mean))
+        return all(bound is None or value <= bound for bound, value in asked)
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """Errors as shares of the target's diagonal.
+
+    Attributes
+    ----------
+    max, rms, mean : data points (the target's used vertices) to the limit surface.
+    reverse_max, reverse_rms, reverse_mean : samples of the surface to the target's faces (a cloud: to its points).
+    boundary, crease : the target's curve points to the surface's curves; None where either has none.
+    faceting : the largest sagitta of the target's faces.
+    samples_excess : how far samples inside large faces lie off beyond their face's sagitta, at most.
+    reverse_excess : how far samples of the surface lie off beyond the sagitta of the face they meet, at most.
+    footpoints : of the data points, in the normalised frame.
+    diagonal : in the caller's unit.
+    """
+
+    max: float
+    rms: float
+    mean: float
+    reverse_max: float
+    reverse_rms: float
+    reverse_mean: float
+    boundary: CurveErrors | None
+    crease: CurveErrors | None
+    faceting: float
+    samples_excess: float
+    reverse_excess: float
+    footpoints: Projection
+    diagonal: float
+
+    def certifies(self, tolerance: Tolerance, cloud: bool = False) -> bool:
+        """Whether the surface lies within the tolerance on both sides (of a point cloud: on the data's side)."""
+        if not tolerance.met(self.max, self.rms, self.mean):
+            return False
+        bound = tolerance.max
+        if bound is None or cloud:
+            return True
+        return self.samples_excess <= bound and self.reverse_excess <= bound
+
+
+def measure(surface: LimitSurface, target: Target, frame: Frame, spacing: float) -> Measurement:
+    """Measure a surface given in the normalised frame against a target in the caller's.
+
+    Parameters
+    ----------
+    surface
+        The limit surface, in normalised coordinates.
+    target
+        The data, in the caller's.
+    frame
+        Takes the target's coordinates to normalised ones.
+    spacing
+        Target faces with longer sides than this (normalised) are sampled inside as well.
+    """
+    projector = Projector(surface)
+    data = projector.certain(frame.inside(target.points[target.used]))
+    reverse, reverse_allowance = _reverse(surface, target, frame)
+    return Measurement(
+        max=float(data.distance.max()),
+        rms=float(np.sqrt(np.mean(data.distance**2))),
+        mean=float(data.distance.mean()),
+        reverse_max=float(reverse.max()),
+        reverse_rms=float(np.sqrt(np.mean(reverse**2))),
+        reverse_mean=float(reverse.mean()),
+        boundary=_curve_errors(surface, target, frame, inner=False),
+        crease=_curve_errors(surface, target, frame, inner=True),
+        faceting=float(target.sagitta.max(initial=0.0) / frame.diagonal) if target.is_mesh else 0.0,
+        samples_excess=_samples_excess(projector, target, frame, spacing),
+        reverse_excess=float((reverse - reverse_allowance).max()),
+        footpoints=data,
+        diagonal=frame.diagonal,
+    )
+
+
+def _reverse(surface: LimitSurface, target: Target, frame: Frame) -> tuple[Floats, Floats]:
+    """Distances of surface samples from the target and the sagitta each is allowed, normalised."""
+    grid = lattice(surface.domain, REVERSE_SEGMENTS)
+    samples = frame.outside(surface.evaluate(grid.face, grid.uv).position)
+    if not target.is_mesh:
+        return target.nearest_point(samples) / frame.diagonal, np.zeros(len(samples))
+    found = target.tree.closest(samples)
+    return found.distance / frame.diagonal, target.sagitta[found.triangle] / frame.diagonal
+
+
+def _samples_excess(projector: Projector, target: Target, frame: Frame, spacing: float) -> float:
+    if not target.is_mesh:
+        return 0.0
+    triangle, uv = face_samples(target.points, target.triangles, spacing * frame.diagonal)
+    if len(triangle) == 0:
+        return 0.0
+    weights = np.column_stack([1 - uv.sum(axis=1), uv])
+    points = frame.inside(np.einsum("kc,kcd->kd", weights, target.points[target.triangles[triangle]]))
+    return float((projector.certain(points).distance - target.sagitta[triangle] / frame.diagonal).max())
+
+
+def _curve_errors(surface: LimitSurface, target: Target, frame: Frame, inner: bool) -> CurveErrors | None:
+    edges = target.crease_edges if inner else target.boundary_edges
+    curves = SurfaceCurves(surface, inner)
+    if len(edges) == 0 or len(curves) == 0:
+        return None
+    found = curves.closest(frame.inside(target.points[np.unique(edges)]))
+    return CurveErrors(float(found.distance.max()), float(found.distance.mean()))

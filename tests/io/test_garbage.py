@@ -1,0 +1,58 @@
+"""Bytes flipped, cut and doubled: a mesh or one clean line, never anything else."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from subdfit.errors import InputError
+from subdfit.io import read, write
+from subdfit.mesh.repair import mend
+
+
+def damaged(content: bytes, rng: np.random.Generator) -> bytes:
+    work = bytearray(content)
+    kind = rng.integers(4)
+    if kind == 0:
+        return bytes(work[: rng.integers(len(work))])
+    if kind == 1:
+        start, length = rng.integers(len(work)), rng.integers(1, 40)
+        return bytes(work[:start] + work[start : start + length] * 2 + work[start + length :])
+    for _ in range(rng.integers(1, 6)):
+        at = rng.integers(len(work))
+        work[at] = rng.integers(256) if kind == 2 else work[at] ^ (1 << rng.integers(8))
+    return bytes(work)
+
+
+@pytest.mark.parametrize("extension", ["obj", "ply", "off", "json", "stl", "glb", "xyz"])
+def test_damaged_files(house, tetrahedron, tmp_path, extension):
+    path = tmp_path / f"a.{extension}"
+    if extension == "xyz":
+        path.write_text("0 0 0 0 0 1\n1 0 0.5 0 0 1\n-1 2e3 7 1 0 0\n")
+    elif extension in ("stl", "glb"):
+        write(path, tetrahedron)
+    else:
+        write(path, replace(house, normals=house.points) if extension != "off" else tetrahedron)
+    content = path.read_bytes()
+    rng = np.random.default_rng(20)
+    outcomes = []
+    for _ in range(400):
+        path.write_bytes(damaged(content, rng))
+        try:
+            mend(read(path), repair=bool(rng.integers(2)), name=path.name)
+            outcomes.append(True)
+        except InputError as error:
+            assert "\n" not in str(error)
+            assert path.name in str(error)
+            outcomes.append(False)
+    assert 20 < sum(outcomes) < 380
+
+
+def test_noise(tmp_path):
+    rng = np.random.default_rng(21)
+    for extension in ("obj", "ply", "off", "json", "stl", "glb", "gltf", "xyz"):
+        for start in (b"", b"ply\n", b"OFF\n", b"glTF", b"{", b"solid x\n", b"v "):
+            path = tmp_path / f"a.{extension}"
+            path.write_bytes(start + rng.bytes(300))
+            with pytest.raises(InputError):
+                read(path)

@@ -1,0 +1,95 @@
+"""Refinement and patches are two roads to one surface."""
+
+import numpy as np
+import pytest
+
+from shapes.parameters import CASES, CHILDREN, CORNERS, anywhere, child_of, inside, size, surface_of
+from shapes.zoo import scattered
+from shapes.zoom import zoom
+from subdfit.limit import LimitSurface
+from subdfit.mesh.control_mesh import ControlMesh
+
+
+def refined(surface):
+    step = surface.scheme.refine(surface.topology)
+    return ControlMesh(step.child, step.matrix @ surface.control_mesh.points)
+
+
+def test_rows_of_refinement_and_of_the_limit_sum_to_one(surface):
+    for matrix in (surface.scheme.refine(surface.topology).matrix, surface.scheme.limit_rows(surface.topology)):
+        assert np.abs(matrix.sum(axis=1) - 1).max() < 1e-14
+
+
+def test_child_topology_keeps_genus_boundary_creases_and_corners(surface):
+    parent, step = surface.topology, surface.scheme.refine(surface.topology)
+    child = step.child
+    euler = [t.vertex_count - t.edge_count + t.face_count for t in (parent, child)]
+    assert euler[0] == euler[1]
+    assert child.boundary_edges.sum() == 2 * parent.boundary_edges.sum()
+    assert len(child.crease_edges) == 2 * len(parent.crease_edges)
+    assert np.isinf(child.sharpness[child.crease_edges]).all()
+    pinned = parent.corner_sharpness > 0
+    assert (child.corner_sharpness > 0).sum() == pinned.sum()
+    moved = (step.matrix @ surface.control_mesh.points)[child.corner_sharpness > 0]
+    np.testing.assert_array_equal(moved, surface.control_mesh.points[pinned])
+    assert step.matrix.shape == (child.vertex_count, parent.vertex_count)
+
+
+def test_limit_rows_are_a_left_fixed_point_of_refinement(surface):
+    """The limit point of a vertex is the same whether taken now or one level later."""
+    points = surface.control_mesh.points
+    fine = refined(surface)
+    later = surface.scheme.limit_rows(fine.topology) @ fine.points
+    np.testing.assert_allclose(later[: len(points)], surface.vertex_limits(), rtol=0, atol=1e-14 * 10 * size(fine))
+
+
+@pytest.mark.parametrize("strewn", [False, True])
+def test_limit_equals_deep_refinement_at_all_dyadic_points(surface, strewn):
+    if strewn:
+        surface = surface.with_points(scattered(surface.control_mesh, 1).points)
+    mesh, corners = surface.control_mesh, CHILDREN[surface.scheme.name]
+    face, uv = np.arange(mesh.topology.face_count), np.broadcast_to(CORNERS[3], (mesh.topology.face_count, 3, 2))
+    for _ in range(4 if mesh.topology.face_count < 40 else 2):
+        mesh = refined(LimitSurface(mesh, surface.scheme))
+        face = np.repeat(face, 4)
+        weights = np.concatenate([1 - corners.sum(axis=2, keepdims=True), corners], axis=2)
+        uv = np.einsum("cib,fbk->fcik", weights, uv).reshape(-1, 3, 2)
+    limits = surface.scheme.limit_rows(mesh.topology) @ mesh.points
+    value = surface.evaluate(np.repeat(face, 3), uv.reshape(-1, 2)).position
+    expected = limits[mesh.topology.triangles.ravel()]
+    assert np.abs(value - expected).max() < 1e-12 * size(surface.control_mesh)
+
+
+@pytest.mark.parametrize(("scheme", "name"), CASES)
+def test_a_second_evaluator_without_patches_agrees(scheme, name):
+    surface = surface_of(scheme, name)
+    face, uv = anywhere(surface.domain, per_cell=1, seed=2, nearest=3.0)
+    chosen = np.random.default_rng(3).permutation(len(face))[:5]
+    expected = [zoom(scheme, surface.control_mesh, face[k], uv[k]) for k in chosen]
+    value = surface.evaluate(face[chosen], uv[chosen]).position
+    assert np.abs(value - expected).max() < 1e-12 * size(surface.control_mesh)
+
+
+def test_the_refined_mesh_has_the_same_surface(surface):
+    fine = LimitSurface(refined(surface), surface.scheme)
+    face, uv = inside(surface.domain, per_cell=8, margin=0.01)
+    child, local, jacobian = child_of(surface.scheme.name, face, uv)
+    coarse, same = surface.evaluate(face, uv, 2), fine.evaluate(child, local, 2)
+    length = size(surface.control_mesh)
+    assert np.abs(coarse.position - same.position).max() < 1e-13 * 10 * length
+    first = np.einsum("kcp,kcx->kpx", jacobian, same.first)
+    scale = np.maximum(np.abs(coarse.first).max(axis=(1, 2), keepdims=True), length)
+    assert (np.abs(first - coarse.first) / scale).max() < 1e-11
+    second = same.second[:, [0, 1, 1, 2]].reshape(-1, 2, 2, 3)
+    second = np.einsum("kcp,kdq,kcdx->kpqx", jacobian, jacobian, second).reshape(-1, 4, 3)[:, [0, 1, 3]]
+    scale = np.maximum(np.abs(coarse.second).max(axis=(1, 2), keepdims=True), length)
+    assert (np.abs(second - coarse.second) / scale).max() < 1e-10
+
+
+def test_vertex_limits_are_the_surface_at_the_corners_of_cells(surface):
+    domain = surface.domain
+    face, corner = np.nonzero(domain.vertex >= 0)
+    uv = np.array([CORNERS[int(domain.shape[f])][c] for f, c in zip(face, corner, strict=True)])
+    limits = surface.vertex_limits()[domain.vertex[face, corner]]
+    value = surface.evaluate(face, uv).position
+    assert np.abs(value - limits).max() < 1e-13 * size(surface.control_mesh)

@@ -1,0 +1,1 @@
+"""Tiny hard control meshes, and what tests need to walk over them."""
