@@ -68,7 +68,8 @@ def test_places_that_cannot_be_written(tmp_path, tetrahedron, call):
     (tmp_path / "file").touch()
     with pytest.raises(InputError, match=r"files of type \.doc"):
         attempt(tmp_path / "a.doc")
-    for path in (tmp_path / "none" / "a.obj", tmp_path / "folder.obj", tmp_path / "file" / "a.obj"):
+    bad = ["none/a.obj", "folder.obj", "file/a.obj", "x" * 300 + ".obj", "x" * 300 + "/a.obj"]
+    for path in (tmp_path / name for name in bad):
         with pytest.raises(MachineError, match="cannot write") as caught:
             attempt(path)
         assert "\n" not in str(caught.value)

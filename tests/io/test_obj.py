@@ -35,7 +35,8 @@ def test_unknown_statements_colours_and_line_ends_are_skipped(parse):
 
 
 def test_opensubdiv_tags(parse):
-    tags = "t crease 2/1/0 0 1 2.5\nt crease 3/1/0 1 2 3 10\nt crease 3/2/0 0 2 3 1 0\nt corner 2/1/0 0 3 4\nt hole 1/0/0 0\n"
+    tags = "t crease 2/1/0 0 1 2.5\nt crease 3/1/0 1 2 3 10\nt crease 3/2/0 0 2 3 1 0\n"
+    tags += "t corner 2/1/0 0 3 4\nt hole 1/0/0 0\n"
     data = parse("# subdivision scheme: loop\n" + SQUARE + "f 1 2 3 4\n" + tags + "t interpolateboundary 1/0/0 1\n")
     np.testing.assert_array_equal(data.crease_edges, [[0, 1], [1, 2], [2, 3], [0, 2]])
     np.testing.assert_array_equal(data.crease_sharpness, [2.5, 10, 10, 1])

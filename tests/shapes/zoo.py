@@ -132,13 +132,11 @@ def half_fan(k):
     return shape((np.vstack([[0, -0.1, 0.3], rim]), fan_faces(k, close=False)), f"half fan {k}")
 
 
-def torus(rows, columns):
+def torus(rows, columns, **tags):
     points, faces = grid_data(rows, columns, True, True)
     s, t = 2 * np.pi * points[:, 1] / rows, 2 * np.pi * points[:, 0] / columns
-    radius = 3 + np.cos(s)
-    return shape(
-        (np.stack([radius * np.cos(t), radius * np.sin(t), np.sin(s)], 1), faces[:, ::-1]), f"torus {rows} {columns}"
-    )
+    points = np.stack([(3 + np.cos(s)) * np.cos(t), (3 + np.cos(s)) * np.sin(t), np.sin(s)], 1)
+    return shape((points, faces[:, ::-1]), f"torus {rows} {columns}", **tags)
 
 
 def annulus():
@@ -210,8 +208,7 @@ def pinned_inside():
 
 def pinned_regular():
     """A corner of valence six beside regular vertices."""
-    points, faces = grid_data(4, 5, True, True)
-    return shape((np.random.default_rng(4).normal(size=points.shape), faces), "pinned regular", corner_vertices=[6])
+    return torus(4, 5, corner_vertices=[6])
 
 
 def pinned_boundary():

@@ -71,7 +71,13 @@ class System:
     """Normal equations of all terms for the displacement of the control points, (n, 3)."""
 
     def __init__(
-        self, surface: LimitSurface, rows: list[Rows], damping: float, fairness: float, fixed_boundary: bool = False
+        self,
+        surface: LimitSurface,
+        rows: list[Rows],
+        damping: float,
+        fairness: float,
+        relaxation: float,
+        fixed_boundary: bool = False,
     ) -> None:
         self.rows = rows
         self._local = surface.compiled.local_matrix
@@ -83,9 +89,12 @@ class System:
         mean = float(trace.mean()) / 3
         self._damping = damping * trace[:, None] / 3 + 1e-9 * mean
         self._fairness = fairness * mean
+        self._relaxation = relaxation * mean
         t = surface.topology
         self._laplacian = umbrella(t.edge_vertices, t.sharpness > 0, t.vertex_count)
+        self._normals = vertex_normals(surface)
         self._inverse = self._blocks(lumped)
+        self._control = surface.control_mesh.points
         if fixed_boundary:
             self._inverse[t.edge_vertices[t.boundary_edges].ravel()] = 0.0
 
@@ -95,7 +104,7 @@ class System:
     def _blocks(self, lumped: Floats) -> Floats:
         """Inverse of the lumped 3 x 3 blocks: the preconditioner."""
         blocks = lumped[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].reshape(-1, 3, 3)
-        diagonal = self._damping + 1.2 * self._fairness
+        diagonal = self._damping + 1.2 * (self._fairness + self._relaxation)
         blocks = blocks + diagonal[:, :, None] * np.eye(3)
         inverse: Floats = np.linalg.inv(blocks)
         return inverse
@@ -106,8 +115,14 @@ class System:
         out = self._damping * x
         for rows in self.rows:
             out += self._to_control(rows.product(everywhere))
-        out += self._fairness * (self._laplacian.T @ (self._laplacian @ x))
+        bent = self._laplacian @ x
+        out += self._laplacian.T @ (self._fairness * bent + self._relaxation * self._along(bent))
         return out
+
+    def _along(self, vectors: Floats) -> Floats:
+        """Their part in the surface's tangent planes at the vertices."""
+        normal = self._normals
+        return vectors - np.einsum("nd,nd->n", vectors, normal)[:, None] * normal
 
     def right_side(self) -> Floats:
         """W^T D e of all terms."""
@@ -122,6 +137,7 @@ class System:
                 ]
             )
             out += self._to_control(rows.transposed(vectors, self._points))
+        out -= self._relaxation * (self._laplacian.T @ self._along(self._laplacian @ self._control))
         return out
 
     def solve(self, tolerance: float = 1e-2, iterations: int = 50) -> Floats:
@@ -142,6 +158,14 @@ class System:
             rho, before = float(np.sum(residual * z)), rho
             direction = z + (rho / before) * direction
         return x
+
+
+def vertex_normals(surface: LimitSurface) -> Floats:
+    """Unit normals of the surface at its control vertices' limit points, (n, 3), each from one face at it."""
+    t = surface.topology
+    corner = t.outgoing % 3
+    uv = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])[corner]
+    return surface.normals(t.face[t.outgoing], uv)
 
 
 def umbrella(edges: NDArray[np.int32], sharp: NDArray[np.bool_], count: int) -> sp.csr_array:

@@ -27,19 +27,22 @@ class TangentSettings:
     tangential : share of a point's pull that acts along the tangent plane.
     curve_weight : weight of a point on a curve against one on the surface.
     fairness : weight of the displacement's Laplacian, against the mean weight of a control vertex.
+    relaxation : weight that draws vertices within the tangent plane to the middle of their neighbours: without it they
+        slide until the surface folds.
     damping : the first Levenberg damping, against each control vertex's own weight.
     """
 
     tangential: float = 0.003
     curve_weight: float = 4.0
     fairness: float = 1e-3
+    relaxation: float = 0.01
     damping: float = 1e-3
 
 
 def tangent_step(state: FitState, settings: TangentSettings, damping: float, fixed_boundary: bool = False) -> Floats:
     """Control points after one damped step from `state`, (n, 3); with `fixed_boundary` those on the boundary stay."""
     rows = [surface_rows(state, settings), *curve_rows(state, settings)]
-    system = System(state.surface, rows, damping, settings.fairness, fixed_boundary)
+    system = System(state.surface, rows, damping, settings.fairness, settings.relaxation, fixed_boundary)
     return state.surface.control_mesh.points + system.solve()
 
 

@@ -1,9 +1,12 @@
 """A file is written whole or not at all."""
 
+import os
 import uuid
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from errno import EISDIR
 from pathlib import Path
+from stat import S_ISDIR
 from typing import BinaryIO
 
 from subdfit.errors import MachineError
@@ -21,8 +24,7 @@ def atomic(path: str | Path) -> Iterator[BinaryIO]:
     MachineError
         The file or its folder cannot be written.
     """
-    target = Path(path).resolve()
-    temporary = target.parent / f".subdfit-{uuid.uuid4().hex}.part"
+    target, temporary = _places(path)
     try:
         try:
             with temporary.open("xb") as stream:
@@ -36,20 +38,25 @@ def atomic(path: str | Path) -> Iterator[BinaryIO]:
 
 def check_folder(path: str | Path) -> None:
     """Raise MachineError at once where `atomic` could only fail at the end."""
-    if Path(path).is_dir():
-        raise MachineError(f"cannot write {path}: it is a folder; name a file")
-    folder = Path(path).resolve().parent
-    probe = folder / f".subdfit-{uuid.uuid4().hex}.part"
     try:
+        target, probe = _places(path)
         probe.touch(exist_ok=False)
         probe.unlink()
+        with suppress(FileNotFoundError):
+            if S_ISDIR(target.stat().st_mode):
+                raise IsADirectoryError(EISDIR, "it is a folder")
     except OSError as error:
         raise MachineError(cannot_write(path, error)) from error
 
 
+def _places(path: str | Path) -> tuple[Path, Path]:
+    """Return the file itself, behind links, and an unused name beside it."""
+    target = Path(os.path.realpath(path))
+    return target, target.parent / f".subdfit-{uuid.uuid4().hex}.part"
+
+
 def cannot_write(path: str | Path, error: OSError) -> str:
     """One line that says which file could not be written, and why."""
-    folder = Path(path).resolve().parent
-    if not folder.is_dir():
-        return f"cannot write {path}: there is no folder {folder}; make it first"
+    if isinstance(error, FileNotFoundError | NotADirectoryError):
+        return f"cannot write {path}: there is no folder {Path(path).parent}; make it first"
     return f"cannot write {path}: {error.strerror or error}; choose a place with room and permission"

@@ -1,9 +1,9 @@
 """Control meshes as JSON: one object that keeps everything `MeshData` holds.
 
 ``format`` is ``"subdfit mesh"`` and ``version`` 1; ``scheme`` is a name or null; ``interpolate_boundary`` is 0, 1, 2
-or null. ``points`` is a list of ``[x, y, z]``; ``faces`` a list of lists of rows of `points`, counted from 0; ``creases``
-a list of ``[row, row, sharpness]``; ``corners`` a list of ``[row, sharpness]``; ``normals`` a list of ``[x, y, z]``, one
-a point, or null. Sharpness 10 is sharp for ever.
+or null. ``points`` is a list of ``[x, y, z]``; ``faces`` a list of lists of rows of `points`, counted from 0;
+``creases`` a list of ``[row, row, sharpness]``; ``corners`` a list of ``[row, sharpness]``; ``normals`` a list of
+``[x, y, z]``, one a point, or null. Sharpness 10 is sharp for ever.
 """
 
 import json
@@ -81,7 +81,7 @@ def _lists(document: dict[str, Any], key: str, columns: int | None, name: str) -
     for number, row in enumerate(rows):
         if not isinstance(row, list) or (columns is not None and len(row) != columns):
             raise InputError(f'{name}: row {number} of "{key}" has not {columns or "only"} numbers; mend it')
-        if not all(type(value) in (int, float) and abs(value) < 2**63 for value in row):
+        if not all(type(value) is float or (type(value) is int and abs(value) < 2**63) for value in row):
             raise InputError(f'{name}: row {number} of "{key}" holds something that is no number; mend it')
     return rows
 

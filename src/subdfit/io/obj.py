@@ -5,7 +5,7 @@ lines from 0. ``t crease 2/1/0 i j S`` (more integers are a chain of edges), ``t
 ``t interpolateboundary 1/0/0 N``; sharpness 10 is sharp for ever. Unknown statements and tags are skipped.
 """
 
-from itertools import chain, pairwise
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from subdfit.errors import InputError
 from subdfit.io.tags import boundary_rule, finite_sharpness
-from subdfit.io.text import floats, integers, quote, table
+from subdfit.io.text import Rows, floats, integers, quote, table
 from subdfit.mesh.data import MeshData
 
 _SCHEME = b"subdivision scheme:"
@@ -24,10 +24,12 @@ Words = list[bytes]
 def parse(content: bytes, path: Path) -> MeshData:
     """Read polygons, or points where there is no face; raises InputError that quotes what it cannot read."""
     name = path.name
-    rows, positions_before, normals_before, scheme = _statements(content)
-    points, normals = table(rows[b"v"], 3, f"{name}: v"), table(rows[b"vn"], 3, f"{name}: vn")
-    sizes = np.array([len(face) for face in rows[b"f"]], np.int64)
-    words = list(chain.from_iterable(rows[b"f"]))
+    lines, positions_before, normals_before, scheme = _statements(content)
+    points = table(Rows.of(lines[b"v"]), 3, f"{name}: v", skip=1)
+    normals = table(Rows.of(lines[b"vn"]), 3, f"{name}: vn", skip=1)
+    faces = Rows.of(lines[b"f"])
+    sizes = faces.sizes - 1
+    words = faces.part(1, sizes)
     normal_words = [b""] * len(words)
     if any(b"/" in word for word in words):
         parts = [word.split(b"/") for word in words]
@@ -43,30 +45,29 @@ def parse(content: bytes, path: Path) -> MeshData:
         face_vertices=corners,
         normals=_vertex_normals(normals, corners, corner_normals, len(points), name),
         scheme=scheme,
-        **_tags(rows[b"t"], name),
+        **_tags(lines[b"t"], name),
     )
 
 
-def _statements(content: bytes) -> tuple[dict[bytes, list[Words]], NDArray[np.int64], NDArray[np.int64], str | None]:
+def _statements(content: bytes) -> tuple[dict[bytes, list[bytes]], NDArray[np.int64], NDArray[np.int64], str | None]:
     """Sort the lines by statement; for each face, how many `v` and `vn` came before it; the scheme's name."""
-    rows: dict[bytes, list[Words]] = {b"v": [], b"vn": [], b"f": [], b"t": []}
-    positions, normals = rows[b"v"], rows[b"vn"]
+    lines: dict[bytes, list[bytes]] = {b"v": [], b"vn": [], b"f": [], b"t": []}
+    positions, normals = lines[b"v"], lines[b"vn"]
     positions_before, normals_before = list[int](), list[int]()
     scheme = None
-    for line in content.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").splitlines():
-        words = line.split()
-        if not words:
-            continue
-        if words[0] in rows:
-            rows[words[0]].append(words[1:])
-            if words[0] == b"f":
+    content = content.replace(b"\t", b" ").replace(b"\\\r\n", b" ").replace(b"\\\n", b" ")
+    for line in content.splitlines():
+        keyword = line.partition(b" ")[0] or line.lstrip().partition(b" ")[0]
+        if keyword in lines:
+            lines[keyword].append(line)
+            if keyword == b"f":
                 positions_before.append(len(positions))
                 normals_before.append(len(normals))
-        elif words[0].startswith(b"#"):
-            comment = line.strip(b"# \t")
+        elif keyword.startswith(b"#"):
+            comment = line.strip(b"# ")
             if comment.startswith(_SCHEME):
                 scheme = comment[len(_SCHEME) :].strip().decode("latin-1") or None
-    return rows, np.array(positions_before, np.int64), np.array(normals_before, np.int64), scheme
+    return lines, np.array(positions_before, np.int64), np.array(normals_before, np.int64), scheme
 
 
 def _from_zero(words: Words, before: NDArray[np.int64], where: str) -> NDArray[np.int64]:
@@ -105,12 +106,13 @@ def _vertex_normals(
     return normals[rows]
 
 
-def _tags(rows: list[Words], name: str) -> dict[str, Any]:
+def _tags(lines: list[bytes], name: str) -> dict[str, Any]:
     """Creases, corners and the boundary rule, as arguments of `MeshData`."""
     creases: list[tuple[int, int, float]] = []
     corners: list[tuple[int, float]] = []
     boundary = None
-    for words in rows:
+    for line in lines:
+        words = line.split()[1:]
         if not words or words[0] not in (b"crease", b"corner", b"interpolateboundary"):
             continue
         rows_named, values = _tag_values(words, f"{name}: t {quote(b' '.join(words))}")

@@ -5,13 +5,13 @@ Format as described at http://www.geomview.org/docs/html/OFF.html: text, a line 
 
 import logging
 import re
-from itertools import chain, pairwise
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
 from subdfit.errors import InputError
-from subdfit.io.text import integers, quote, table
+from subdfit.io.text import Rows, integers, quote, table
 from subdfit.mesh.data import MeshData
 
 logger = logging.getLogger(__name__)
@@ -26,12 +26,13 @@ def parse(content: bytes, path: Path) -> MeshData:
     Raises InputError where the counts and the lines disagree.
     """
     name = path.name
-    rows = [words for line in _COMMENT.sub(b"", content).splitlines() if (words := line.split())]
-    keyword = _KEYWORD.fullmatch(rows[0][0]) if rows else None
-    if keyword is None or rows[0][1:2] == [b"BINARY"]:
+    lines = [line for line in _COMMENT.sub(b"", content).splitlines() if line.strip()]
+    first = lines[0].split() if lines else [b""]
+    keyword = _KEYWORD.fullmatch(first[0])
+    if keyword is None or first[1:2] == [b"BINARY"]:
         raise InputError(f"{name}: line 1 is not the keyword OFF of a text file; export it as ASCII OFF")
-    head = rows[0][1:] or (rows[1] if len(rows) > 1 else [])
-    body = rows[1:] if rows[0][1:] else rows[2:]
+    head = first[1:] or (lines[1].split() if len(lines) > 1 else [])
+    body = lines[1:] if first[1:] else lines[2:]
     counts = integers(head[:3], f"{name}: counts").tolist()
     if len(counts) < 2 or min(counts) < 0:
         raise InputError(f"{name}: counts of vertices and faces are missing after OFF; export the file again")
@@ -41,18 +42,17 @@ def parse(content: bytes, path: Path) -> MeshData:
             f"{name}: states {vertex_count} vertices and {face_count} faces but has {len(body)} lines of them; "
             "the file is cut or contradictory, export it again"
         )
-    values = table(body[:vertex_count], 6 if keyword[3] else 3, f"{name}: vertices")
-    sizes = integers([words[0] for words in body[vertex_count:]], f"{name}: faces")
-    for size, words in zip(sizes.tolist(), body[vertex_count:], strict=True):
-        if not 0 <= size < len(words):
-            raise InputError(f"{name}: face '{quote(b' '.join(words))}' has not {size} corners; mend the line")
-    corners = chain.from_iterable(
-        words[1 : size + 1] for size, words in zip(sizes.tolist(), body[vertex_count:], strict=True)
-    )
+    values = table(Rows.of(body[:vertex_count]), 6 if keyword[3] else 3, f"{name}: vertices")
+    faces = Rows.of(body[vertex_count:])
+    sizes = integers(faces.part(0, np.ones(face_count, np.int64)), f"{name}: faces")
+    bad = np.flatnonzero((sizes < 0) | (sizes >= faces.sizes))
+    if len(bad):
+        shown = quote(faces.row(int(bad[0])))
+        raise InputError(f"{name}: face '{shown}' has not {sizes[bad[0]]} corners; mend the line")
     return MeshData(
         points=np.ascontiguousarray(values[:, :3]),
         face_offsets=np.concatenate(([0], np.cumsum(sizes))),
-        face_vertices=integers(list(corners), f"{name}: faces"),
+        face_vertices=integers(faces.part(1, sizes), f"{name}: faces"),
         normals=np.ascontiguousarray(values[:, 3:]) if keyword[3] else None,
     )
 

@@ -43,7 +43,7 @@ def read(path: str | Path) -> MeshData:
     InputError
         The file is missing, cannot be read, has an unknown extension, or does not hold what it claims.
     """
-    path = Path(path)
+    path = _path(path)
     parse = READERS.get(path.suffix.lower())
     if parse is None:
         raise InputError(f"{path}: cannot read {_extension(path)}; use one of {' '.join(READERS)}")
@@ -65,7 +65,7 @@ def write(path: str | Path, data: MeshData) -> None:
     MachineError
         The file cannot be written.
     """
-    path = Path(path)
+    path = _path(path)
     content = _writer(path)(data, path)
     with atomic(path) as stream:
         stream.write(content)
@@ -81,7 +81,8 @@ def check_writable(path: str | Path) -> None:
     MachineError
         The folder is missing or cannot be written, or `path` is a folder.
     """
-    _writer(Path(path))
+    path = _path(path)
+    _writer(path)
     check_folder(path)
 
 
@@ -92,14 +93,20 @@ def _writer(path: Path) -> Callable[[MeshData, Path], bytes]:
     return render
 
 
+def _path(path: str | Path) -> Path:
+    if "\0" in str(path):
+        raise InputError(f"{str(path)!r}: a path cannot hold a null character; check the path")
+    return Path(path)
+
+
 def _extension(path: Path) -> str:
     return f"files of type {path.suffix}" if path.suffix else "a file without an extension"
 
 
 def _bytes(path: Path) -> bytes:
-    if path.is_dir():
-        raise InputError(f"{path}: is a folder; name a file")
     try:
+        if path.is_dir():
+            raise InputError(f"{path}: is a folder; name a file")
         if path.exists() and not path.is_file():
             raise InputError(f"{path}: is not a regular file; copy its content to one")
         content = path.read_bytes()
@@ -107,8 +114,8 @@ def _bytes(path: Path) -> bytes:
         raise InputError(f"{path}: no such file; check the path") from None
     except PermissionError:
         raise InputError(f"{path}: no permission to read it; change its mode or owner") from None
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path}: cannot be read ({error}); check the path") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); check the path") from None
     if not content:
         raise InputError(f"{path}: is empty; export the mesh again")
     return content

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from itertools import chain
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,14 +26,51 @@ def integers(words: Sequence[bytes], where: str) -> NDArray[np.int64]:
         raise InputError(f"{where}: {_first_bad(words, int)} is not an index; export the file again") from None
 
 
-def table(rows: list[list[bytes]], columns: int, where: str) -> NDArray[np.float64]:
-    """Convert the first `columns` words of each row to (n, columns) float64; raises InputError for a short row."""
-    if rows and min(map(len, rows)) < columns:
-        short = next(row for row in rows if len(row) < columns)
-        raise InputError(
-            f"{where}: '{quote(b' '.join(short))}' has fewer than {columns} numbers; export the file again"
-        )
-    words = list(chain.from_iterable(row[:columns] for row in rows))
+class Rows(NamedTuple):
+    """Lines cut into words: all words in a row, and how many each line has."""
+
+    words: list[bytes]
+    sizes: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, lines: list[bytes]) -> "Rows":
+        """Cut lines, all at once where they have equally many words."""
+        width = len(lines[0].split()) if lines else 0
+        words = b" ; ".join(lines).split()
+        if words[width :: width + 1] == [b";"] * (len(lines) - 1) and words.count(b";") == max(len(lines) - 1, 0):
+            del words[width :: width + 1]
+            return cls(words, np.full(len(lines), width, np.int64))
+        rows = [line.split() for line in lines]
+        return cls(list(chain.from_iterable(rows)), np.array([len(row) for row in rows], np.int64))
+
+    def part(self, skip: int, counts: NDArray[np.int64]) -> list[bytes]:
+        """Return ``counts[i]`` words of each row i, after the first `skip`."""
+        if len(counts) and (counts == counts[0]).all() and (self.sizes == self.sizes[0]).all():
+            count, width = int(counts[0]), int(self.sizes[0])
+            words = [b""] * (count * len(counts))
+            for i in range(count):
+                words[i::count] = self.words[skip + i :: width]
+            return words
+        starts = (np.cumsum(self.sizes) - self.sizes + skip).tolist()
+        pieces = (self.words[a : a + n] for a, n in zip(starts, counts.tolist(), strict=True))
+        return list(chain.from_iterable(pieces))
+
+    def row(self, number: int) -> bytes:
+        """Return one row, to quote it."""
+        start = int(self.sizes[:number].sum())
+        return b" ".join(self.words[start : start + int(self.sizes[number])])
+
+
+def table(rows: Rows, columns: int, where: str, skip: int = 0) -> NDArray[np.float64]:
+    """Convert `columns` words of each row, after the first `skip`, to (n, columns) float64.
+
+    Raises InputError where a row is too short or a word is no number.
+    """
+    short = np.flatnonzero(rows.sizes < skip + columns)
+    if len(short):
+        shown = quote(rows.row(int(short[0])))
+        raise InputError(f"{where}: '{shown}' has fewer than {columns} numbers; export the file again")
+    words = rows.part(skip, np.full(len(rows.sizes), columns, np.int64))
     return floats(words, where).reshape(-1, columns)
 
 

@@ -223,9 +223,10 @@ class _Bench:
         if not crowded:
             return
         edge = self._edge_name(crowded[0][0])
+        verb = "edge has" if len(crowded) == 1 else "edges have"
         if not repair:
             raise InputError(
-                f"{self.name}: {len(crowded)} edges have more than two faces, the first is {edge} with "
+                f"{self.name}: {len(crowded)} {verb} more than two faces, the first is {edge} with "
                 f"{len(crowded[0])}; repair=True (--repair) cuts the sheets apart"
             )
         found = self.edges.first, self.edges.second
