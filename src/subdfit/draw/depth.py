@@ -24,9 +24,7 @@ class DepthPicture:
     cells : number of cells along its larger side.
     """
 
-    def __init__(
-        self, seen: NDArray[np.float32], window: tuple[float, float, float, float], cells: int
-    ) -> None:
+    def __init__(self, seen: NDArray[np.float32], window: tuple[float, float, float, float], cells: int) -> None:
         left, right, bottom, top = window
         self._side = max(right - left, top - bottom)
         self._cell = self._side / cells

@@ -71,7 +71,9 @@ def gallery(
     first = panels[0].camera or camera_for(panels[0].vertices, panels[0].triangles)
     rows = [panels[start : start + across] for start in range(0, len(panels), across)]
     heights = [_height(row, first, panel_width) for row in rows]
-    foot = [0.12 + _CAPTION_LINE * max(panel.caption.count("\n") + bool(panel.caption) for panel in row) for row in rows]
+    foot = [
+        0.12 + _CAPTION_LINE * max(panel.caption.count("\n") + bool(panel.caption) for panel in row) for row in rows
+    ]
     top = sum(heights) + sum(foot) + _GAP
     figure = new_figure(across * (panel_width + _GAP) + _GAP, top + (_TITLE if title else 0.0))
     if title:
@@ -82,8 +84,15 @@ def gallery(
             left = _GAP + k * (panel_width + _GAP)
             render(
                 axes_at(figure, left, top, panel_width, height),
-                panel.vertices, panel.triangles, camera=panel.camera or first, colors=panel.colors, cmap=panel.cmap,
-                norm=panel.norm, lines=panel.lines, line_colors=panel.line_colors, line_width=panel.line_width,
+                panel.vertices,
+                panel.triangles,
+                camera=panel.camera or first,
+                colors=panel.colors,
+                cmap=panel.cmap,
+                norm=panel.norm,
+                lines=panel.lines,
+                line_colors=panel.line_colors,
+                line_width=panel.line_width,
             )
             text_at(figure, left + panel_width / 2, top - 0.05, panel.caption, size=9)
         top -= below

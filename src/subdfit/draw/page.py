@@ -33,7 +33,17 @@ def text_at(figure: Figure, x: float, y: float, text: str, *, size: float = 9.5,
     across, up = figure.get_size_inches()
     weight = "bold" if bold else "normal"
     baseline = y - size / 72.0
-    figure.text(x / across, baseline / up, text, ha="center", va="baseline", size=size, weight=weight, color=INK, linespacing=1.35)
+    figure.text(
+        x / across,
+        baseline / up,
+        text,
+        ha="center",
+        va="baseline",
+        size=size,
+        weight=weight,
+        color=INK,
+        linespacing=1.35,
+    )
 
 
 def png(figure: Figure) -> bytes:

@@ -133,9 +133,7 @@ def _sheet(
     seen = camera.project(points)
     depth = DepthPicture(seen, camera.window, pixels // 2)
     front = _turns_to_viewer(seen, faces)
-    shown = front if closed else np.ones(len(faces), bool)
-    if len(faces) > _MANY:
-        shown = shown & ~depth.hides(seen)[faces].all(axis=1)
+    shown = front if closed else ~depth.hides(seen)[faces].all(axis=1)
     normals = smooth_normals(points - camera.centre, faces)[shown] @ camera.rotation.T.astype(np.float32)
     faces, albedo, back = faces[shown], albedo[shown], ~front[shown]
     normals[back] *= -1.0

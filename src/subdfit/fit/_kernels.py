@@ -65,17 +65,44 @@ def group_maximum(group, value, out):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def plane_metric(first, tangential, weight, out):  # type: ignore[no-untyped-def]
-    """Write n n^T + tangential (I - n n^T), times the weight, for the planes of ``first`` (k, 2, 3); I where degenerate."""
+def squared_distance_metric(first, second, distance, floor, out):  # type: ignore[no-untyped-def]
+    """Write the quadratic form of the squared distance to a surface, seen from each point, into `out` (k, 6).
+
+    Along the normal the weight is 1; along a principal direction with radius of curvature rho it is d / (d + rho)
+    (Pottmann and Hofer 2003, with signs dropped as Lavoue et al. do), and `floor` at least. `first` (k, 2, 3) and `second`
+    (k, 3, 3) are the surface's derivatives at the footpoint, `distance` (k,) is d.
+    """
     for k in range(len(first)):
-        x = first[k, 0, 1] * first[k, 1, 2] - first[k, 0, 2] * first[k, 1, 1]
-        y = first[k, 0, 2] * first[k, 1, 0] - first[k, 0, 0] * first[k, 1, 2]
-        z = first[k, 0, 0] * first[k, 1, 1] - first[k, 0, 1] * first[k, 1, 0]
-        squared = x * x + y * y + z * z
-        w = weight[k]
-        if squared > 0:
-            a, b = w * (1 - tangential) / squared, w * tangential
-        else:
-            a, b = 0.0, w
-        out[k, 0], out[k, 1], out[k, 2] = a * x * x + b, a * x * y, a * x * z
-        out[k, 3], out[k, 4], out[k, 5] = a * y * y + b, a * y * z, a * z * z + b
+        ux, uy, uz = first[k, 0, 0], first[k, 0, 1], first[k, 0, 2]
+        vx, vy, vz = first[k, 1, 0], first[k, 1, 1], first[k, 1, 2]
+        nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+        area = np.sqrt(nx * nx + ny * ny + nz * nz)
+        length = np.sqrt(ux * ux + uy * uy + uz * uz)
+        if not (area > 0 and length > 0):
+            out[k, 0] = out[k, 3] = out[k, 5] = 1.0
+            out[k, 1] = out[k, 2] = out[k, 4] = 0.0
+            continue
+        nx, ny, nz = nx / area, ny / area, nz / area
+        # An orthonormal frame (e, f) of the tangent plane; the parameters are x / a - b y / (a c), y / c in it.
+        ex, ey, ez = ux / length, uy / length, uz / length
+        fx, fy, fz = ny * ez - nz * ey, nz * ex - nx * ez, nx * ey - ny * ex
+        a, b, c = length, vx * ex + vy * ey + vz * ez, vx * fx + vy * fy + vz * fz
+        p = second[k, 0, 0] * nx + second[k, 0, 1] * ny + second[k, 0, 2] * nz
+        q = second[k, 1, 0] * nx + second[k, 1, 1] * ny + second[k, 1, 2] * nz
+        r = second[k, 2, 0] * nx + second[k, 2, 1] * ny + second[k, 2, 2] * nz
+        xx = p / (a * a)
+        xy = (q - b / a * p) / (a * c)
+        yy = (r - 2 * b / a * q + b * b / (a * a) * p) / (c * c)
+        mean, half = (xx + yy) / 2, np.sqrt(((xx - yy) / 2) ** 2 + xy * xy)
+        angle = 0.5 * np.arctan2(2 * xy, xx - yy)
+        cosine, sine = np.cos(angle), np.sin(angle)
+        bend1, bend2 = abs(mean + half) * distance[k], abs(mean - half) * distance[k]
+        w1, w2 = max(floor, bend1 / (1 + bend1)), max(floor, bend2 / (1 + bend2))
+        gx, gy, gz = cosine * ex + sine * fx, cosine * ey + sine * fy, cosine * ez + sine * fz
+        hx, hy, hz = cosine * fx - sine * ex, cosine * fy - sine * ey, cosine * fz - sine * ez
+        out[k, 0] = nx * nx + w1 * gx * gx + w2 * hx * hx
+        out[k, 1] = nx * ny + w1 * gx * gy + w2 * hx * hy
+        out[k, 2] = nx * nz + w1 * gx * gz + w2 * hx * hz
+        out[k, 3] = ny * ny + w1 * gy * gy + w2 * hy * hy
+        out[k, 4] = ny * nz + w1 * gy * gz + w2 * hy * hz
+        out[k, 5] = nz * nz + w1 * gz * gz + w2 * hz * hz

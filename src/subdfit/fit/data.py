@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from subdfit.target.frame import Frame
 from subdfit.target.sampling import face_samples
 from subdfit.target.target import Target
 
@@ -22,6 +21,7 @@ class FitData:
     vertices : how many of them are vertices.
     allowance : (k,), what a point may lie off beyond the tolerance: 0 for vertices, a sample's face's sagitta.
     boundary, crease : rows of the points that lie on the target's boundary, on its creases.
+    target : the target itself, in the normalised frame.
     """
 
     points: Floats
@@ -29,23 +29,23 @@ class FitData:
     allowance: Floats
     boundary: NDArray[np.int64]
     crease: NDArray[np.int64]
+    target: Target
 
     @classmethod
-    def of(cls, target: Target, frame: Frame, spacing: float) -> "FitData":
-        """Gather the data of a target; faces with sides longer than `spacing` (normalised) get samples inside."""
+    def of(cls, target: Target, spacing: float) -> "FitData":
+        """Gather the data of a normalised target; faces with sides longer than `spacing` get samples inside."""
         used = target.used
         row = np.full(len(target.points), -1, np.int64)
         row[used] = np.arange(len(used))
-        points, allowance = frame.inside(target.points[used]), np.zeros(len(used))
+        points, allowance = target.points[used], np.zeros(len(used))
         if target.is_mesh:
-            triangle, uv = face_samples(target.points, target.triangles, spacing * frame.diagonal)
-            corners = target.points[target.triangles[triangle]]
-            weights = np.column_stack([1 - uv.sum(axis=1), uv])
-            points = np.concatenate([points, frame.inside(np.einsum("kc,kcd->kd", weights, corners))])
-            allowance = np.concatenate([allowance, target.sagitta[triangle] / frame.diagonal])
+            triangle, uv = face_samples(target.points, target.triangles, spacing)
+            points = np.concatenate([points, target.on_triangles(triangle, uv)])
+            if len(triangle):
+                allowance = np.concatenate([allowance, target.sagitta[triangle]])
         boundary = np.unique(row[target.boundary_edges])
         crease = np.setdiff1d(np.unique(row[target.crease_edges]), boundary)
-        return cls(points, len(used), allowance, boundary, crease)
+        return cls(points, len(used), allowance, boundary, crease, target)
 
     @property
     def surface_rows(self) -> NDArray[np.bool_]:

@@ -130,8 +130,9 @@ def fit_target(
         raise InputError(f"unknown method '{settings.method}'; choose one of {', '.join(METHODS)}")
     run = _Run(target, settings, Frame.of(target.points[target.used]), progress)
     clock = time.perf_counter()
-    data = FitData.of(target, run.frame, settings.sample_spacing)
-    mesh = start_mesh(target, run.frame, settings.control_vertices, settings.tolerance.max)
+    inside = target.normalised(run.frame)
+    data = FitData.of(inside, settings.sample_spacing)
+    mesh = start_mesh(inside, settings.control_vertices, settings.tolerance.max)
     run.timed("start", clock)
     clock = time.perf_counter()
     state = FitState.start(data, LimitSurface(mesh, settings.scheme))
@@ -147,7 +148,7 @@ def fit_target(
         interrupted, state = True, run.best
     run.timed("fit", clock)
     clock = time.perf_counter()
-    measurement = measure(state.surface, target, run.frame, settings.sample_spacing)
+    measurement = measure(state.surface, inside, settings.sample_spacing, run.frame.diagonal)
     run.timed("certificate", clock)
     return _result(run, state, measurement, interrupted, unit)
 

@@ -17,6 +17,9 @@ from subdfit.fit.system import Rows, System
 
 Floats = NDArray[np.float64]
 
+REVERSE_UV = np.array([[1 / 3, 1 / 3], [1 / 6, 1 / 6], [2 / 3, 1 / 6], [1 / 6, 2 / 3]])
+"""Where a face without data is sampled."""
+
 
 @dataclass(frozen=True)
 class TangentSettings:
@@ -29,19 +32,21 @@ class TangentSettings:
     fairness : weight of the displacement's Laplacian, against the mean weight of a control vertex.
     relaxation : weight that draws vertices within the tangent plane to the middle of their neighbours: without it they
         slide until the surface folds.
+    reverse_weight : weight of the samples of faces without data, drawn to the target.
     damping : the first Levenberg damping, against each control vertex's own weight.
     """
 
     tangential: float = 0.003
     curve_weight: float = 4.0
     fairness: float = 1e-3
-    relaxation: float = 0.01
+    relaxation: float = 1e-4
+    reverse_weight: float = 0.1
     damping: float = 1e-3
 
 
 def tangent_step(state: FitState, settings: TangentSettings, damping: float, fixed_boundary: bool = False) -> Floats:
     """Control points after one damped step from `state`, (n, 3); with `fixed_boundary` those on the boundary stay."""
-    rows = [surface_rows(state, settings), *curve_rows(state, settings)]
+    rows = [surface_rows(state, settings), *curve_rows(state, settings), *reverse_rows(state, settings)]
     system = System(state.surface, rows, damping, settings.fairness, settings.relaxation, fixed_boundary)
     return state.surface.control_mesh.points + system.solve()
 
@@ -51,11 +56,13 @@ def surface_rows(state: FitState, settings: TangentSettings) -> Rows:
     keep = np.flatnonzero(state.data.surface_rows)
     order = keep[np.argsort(state.face[keep], kind="stable")]
     face, uv = np.ascontiguousarray(state.face[order]), np.ascontiguousarray(state.uv[order])
-    value = state.surface.evaluate(face, uv, 1)
+    value = state.surface.evaluate(face, uv, 2)
     assert value.first is not None
+    assert value.second is not None
     metric = np.empty((len(order), 6))
-    kernels.plane_metric(value.first, settings.tangential, np.ones(len(order)), metric)
     residual = state.data.points[order] - value.position
+    distance = np.linalg.norm(residual, axis=1)
+    kernels.squared_distance_metric(value.first, value.second, distance, settings.tangential, metric)
     return Rows(*state.surface.patch_weights(face, uv), metric, residual)
 
 
@@ -66,6 +73,23 @@ def curve_rows(state: FitState, settings: TangentSettings) -> list[Rows]:
         if curve is not None:
             found.append(_curve_rows(state, curve, rows, settings))
     return found
+
+
+def reverse_rows(state: FitState, settings: TangentSettings) -> list[Rows]:
+    """Rows that draw faces without data to the target: nothing else keeps them from it, as at a sharp ridge."""
+    if not state.data.target.is_mesh:
+        return []
+    empty = np.bincount(state.face, minlength=state.surface.domain.face_count) == 0
+    face = np.repeat(np.flatnonzero(empty).astype(np.int32), len(REVERSE_UV))
+    if len(face) == 0:
+        return []
+    uv = np.tile(REVERSE_UV, (np.count_nonzero(empty), 1))
+    position = state.surface.evaluate(face, uv).position
+    found = state.data.target.tree.closest(position)
+    metric = np.zeros((len(face), 6))
+    metric[:, [0, 3, 5]] = settings.reverse_weight
+    residual = state.data.target.on_triangles(found.triangle, found.uv) - position
+    return [Rows(*state.surface.patch_weights(face, uv), metric, residual)]
 
 
 def _curve_rows(

@@ -7,7 +7,6 @@ import numpy as np
 from subdfit.errors import InputError
 from subdfit.initial.decimate import decimate
 from subdfit.mesh.control_mesh import ControlMesh
-from subdfit.target.frame import Frame
 from subdfit.target.target import Target
 
 logger = logging.getLogger(__name__)
@@ -16,13 +15,13 @@ LEAST_SHARE, MOST_SHARE = 0.01, 0.05
 """The first control mesh has 1 to 5 % of the points (Nishiyama et al. 2008, section 3)."""
 
 
-def start_mesh(target: Target, frame: Frame, vertices: int | None, max_error: float | None) -> ControlMesh:
-    """Decimate the target, in normalised coordinates.
+def start_mesh(target: Target, vertices: int | None, max_error: float | None) -> ControlMesh:
+    """Decimate the target.
 
     Parameters
     ----------
-    target, frame
-        The data, and what normalises it.
+    target
+        The data, in the normalised frame.
     vertices
         Vertices wanted; None takes 5 % of the points for tolerances of .05 % of the diagonal and less, 1 % for 1 % and
         more, and in between by the logarithm.
@@ -40,7 +39,7 @@ def start_mesh(target: Target, frame: Frame, vertices: int | None, max_error: fl
     row = np.full(len(target.points), -1, np.int64)
     row[target.used] = np.arange(len(target.used))
     found = decimate(
-        frame.inside(target.points[target.used]),
+        target.points[target.used],
         row[target.triangles],
         wanted,
         crease_edges=row[target.crease_edges],

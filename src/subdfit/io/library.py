@@ -19,7 +19,9 @@ def load(content: bytes, path: Path, kind: str) -> MeshData:
         import trimesh
     except ImportError:
         raise InputError(f"{path.name}: reading {path.suffix} needs trimesh; pip install trimesh") from None
-    logging.getLogger("trimesh").setLevel(logging.CRITICAL)
+    its_logger = logging.getLogger("trimesh")
+    level = its_logger.level
+    its_logger.setLevel(logging.CRITICAL)  # what it has to say, our error says in a line
     try:
         resolver = trimesh.resolvers.FilePathResolver(str(path))
         scene = trimesh.load_scene(io.BytesIO(content), file_type=kind, resolver=resolver, process=False)
@@ -34,3 +36,5 @@ def load(content: bytes, path: Path, kind: str) -> MeshData:
     except Exception as error:
         reason = f"{type(error).__name__}: {error}".splitlines()[0][:120]
         raise InputError(f"{path.name}: is no readable {kind.upper()} file ({reason}); export it again") from None
+    finally:
+        its_logger.setLevel(level)

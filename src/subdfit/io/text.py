@@ -37,7 +37,9 @@ class Rows(NamedTuple):
         """Cut lines, all at once where they have equally many words."""
         width = len(lines[0].split()) if lines else 0
         words = b" ; ".join(lines).split()
-        if words[width :: width + 1] == [b";"] * (len(lines) - 1) and words.count(b";") == max(len(lines) - 1, 0):
+        breaks = max(len(lines) - 1, 0)
+        alike = len(words) == width * len(lines) + breaks and words.count(b";") == breaks
+        if alike and words[width :: width + 1] == [b";"] * breaks:
             del words[width :: width + 1]
             return cls(words, np.full(len(lines), width, np.int64))
         rows = [line.split() for line in lines]

@@ -13,7 +13,6 @@ from subdfit.closest.curves import SurfaceCurves
 from subdfit.closest.projection import Projection, Projector
 from subdfit.limit.surface import LimitSurface
 from subdfit.limit.tessellate import lattice
-from subdfit.target.frame import Frame
 from subdfit.target.sampling import face_samples
 from subdfit.target.target import Target
 
@@ -85,23 +84,23 @@ class Measurement:
         return self.samples_excess <= bound and self.reverse_excess <= bound
 
 
-def measure(surface: LimitSurface, target: Target, frame: Frame, spacing: float) -> Measurement:
-    """Measure a surface given in the normalised frame against a target in the caller's.
+def measure(surface: LimitSurface, target: Target, spacing: float, diagonal: float = 1.0) -> Measurement:
+    """Measure a surface against a target, both in the normalised frame.
 
     Parameters
     ----------
     surface
-        The limit surface, in normalised coordinates.
+        The limit surface.
     target
-        The data, in the caller's.
-    frame
-        Takes the target's coordinates to normalised ones.
+        The data.
     spacing
-        Target faces with longer sides than this (normalised) are sampled inside as well.
+        Target faces with longer sides than this are sampled inside as well.
+    diagonal
+        The frame's diagonal, for the record.
     """
     projector = Projector(surface)
-    data = projector.certain(frame.inside(target.points[target.used]))
-    reverse, reverse_allowance = _reverse(surface, target, frame)
+    data = projector.certain(target.points[target.used])
+    reverse, reverse_allowance = _reverse(surface, target)
     return Measurement(
         max=float(data.distance.max()),
         rms=float(np.sqrt(np.mean(data.distance**2))),
@@ -109,41 +108,39 @@ def measure(surface: LimitSurface, target: Target, frame: Frame, spacing: float)
         reverse_max=float(reverse.max()),
         reverse_rms=float(np.sqrt(np.mean(reverse**2))),
         reverse_mean=float(reverse.mean()),
-        boundary=_curve_errors(surface, target, frame, inner=False),
-        crease=_curve_errors(surface, target, frame, inner=True),
-        faceting=float(target.sagitta.max(initial=0.0) / frame.diagonal) if target.is_mesh else 0.0,
-        samples_excess=_samples_excess(projector, target, frame, spacing),
+        boundary=_curve_errors(surface, target, inner=False),
+        crease=_curve_errors(surface, target, inner=True),
+        faceting=float(target.sagitta.max(initial=0.0)) if target.is_mesh else 0.0,
+        samples_excess=_samples_excess(projector, target, spacing),
         reverse_excess=float((reverse - reverse_allowance).max()),
         footpoints=data,
-        diagonal=frame.diagonal,
+        diagonal=diagonal,
     )
 
 
-def _reverse(surface: LimitSurface, target: Target, frame: Frame) -> tuple[Floats, Floats]:
-    """Distances of surface samples from the target and the sagitta each is allowed, normalised."""
+def _reverse(surface: LimitSurface, target: Target) -> tuple[Floats, Floats]:
+    """Distances of surface samples from the target, and the sagitta each is allowed."""
     grid = lattice(surface.domain, REVERSE_SEGMENTS)
-    samples = frame.outside(surface.evaluate(grid.face, grid.uv).position)
+    samples = surface.evaluate(grid.face, grid.uv).position
     if not target.is_mesh:
-        return target.nearest_point(samples) / frame.diagonal, np.zeros(len(samples))
+        return target.nearest_point(samples), np.zeros(len(samples))
     found = target.tree.closest(samples)
-    return found.distance / frame.diagonal, target.sagitta[found.triangle] / frame.diagonal
+    return found.distance, target.sagitta[found.triangle]
 
 
-def _samples_excess(projector: Projector, target: Target, frame: Frame, spacing: float) -> float:
+def _samples_excess(projector: Projector, target: Target, spacing: float) -> float:
     if not target.is_mesh:
         return 0.0
-    triangle, uv = face_samples(target.points, target.triangles, spacing * frame.diagonal)
+    triangle, uv = face_samples(target.points, target.triangles, spacing)
     if len(triangle) == 0:
         return 0.0
-    weights = np.column_stack([1 - uv.sum(axis=1), uv])
-    points = frame.inside(np.einsum("kc,kcd->kd", weights, target.points[target.triangles[triangle]]))
-    return float((projector.certain(points).distance - target.sagitta[triangle] / frame.diagonal).max())
+    return float((projector.certain(target.on_triangles(triangle, uv)).distance - target.sagitta[triangle]).max())
 
 
-def _curve_errors(surface: LimitSurface, target: Target, frame: Frame, inner: bool) -> CurveErrors | None:
+def _curve_errors(surface: LimitSurface, target: Target, inner: bool) -> CurveErrors | None:
     edges = target.crease_edges if inner else target.boundary_edges
     curves = SurfaceCurves(surface, inner)
     if len(edges) == 0 or len(curves) == 0:
         return None
-    found = curves.closest(frame.inside(target.points[np.unique(edges)]))
+    found = curves.closest(target.points[np.unique(edges)])
     return CurveErrors(float(found.distance.max()), float(found.distance.mean()))

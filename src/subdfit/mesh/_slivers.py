@@ -152,10 +152,10 @@ class _Patch:
     def _cut_to_triangles(self, face: int) -> None:
         """Cut a flat polygon into the triangles of a fan whose diagonals are no edges yet."""
         corners = self.faces[face]
-        present = [side for v in corners for f in self.around[v] for side in _sides(self.faces[f])]
+        present = {side for v in corners for f in self.around[v] for side in _sides(self.faces[f])}
         for apex in range(len(corners)):
             turned = [*corners[apex:], *corners[:apex]]
-            if not any({turned[0], v} in present for v in turned[2:-1]):
+            if not any(frozenset((turned[0], v)) in present for v in turned[2:-1]):
                 self._replace(face, [[turned[0], b, c] for b, c in pairwise(turned[1:])])
                 return
 
@@ -190,8 +190,8 @@ def _paste(faces: Polygons, patch: _Patch) -> Polygons:
     return faces.select(kept).extend([patch.faces[f] for f in sorted(patch.touched & patch.faces.keys())])
 
 
-def _sides(corners: list[int]) -> list[set[int]]:
-    return [{a, b} for a, b in pairwise([*corners, corners[0]])]
+def _sides(corners: list[int]) -> list[frozenset[int]]:
+    return [frozenset((a, b)) for a, b in pairwise([*corners, corners[0]])]
 
 
 def _without_repeats(corners: list[int]) -> list[int]:

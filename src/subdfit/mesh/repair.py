@@ -345,11 +345,17 @@ def _first_at_same_position(points: NDArray[np.float64], rows: Indices) -> Indic
 
 def _simple_loops(corners: list[int]) -> list[list[int]]:
     """Cut a closed walk at repeated vertices; only loops of three corners and more enclose anything."""
-    for i, v in enumerate(corners):
-        if v in corners[i + 1 :]:
-            j = corners.index(v, i + 1)
-            return _simple_loops(corners[i:j]) + _simple_loops(corners[:i] + corners[j:])
-    return [corners] if len(corners) > 2 else []
+    loops, path, place = list[list[int]](), list[int](), dict[int, int]()
+    for v in corners:
+        if v in place:
+            start = place[v]
+            loops.append(path[start:])
+            for gone in path[start:]:
+                del place[gone]
+            del path[start:]
+        place[v] = len(path)
+        path.append(v)
+    return [loop for loop in [*loops, path] if len(loop) > 2]
 
 
 def _first_of_each(faces: Polygons, *, turned_too: bool) -> NDArray[np.bool_]:

@@ -16,10 +16,13 @@ NOISE = 3e-5
 _LOW, _HIGH = np.array([-60.0, 0.0, -50.0]), np.array([60.0, 116.0, 84.0])
 """Corners of the box that is contoured, in millimetres; its floor cuts the plinth open."""
 
-_VERTICES_AT_ONE = 50_000
+_VERTICES_AT_ONE = 55_500
 """Vertices of the contour at a spacing of one millimetre."""
 
-_FEWEST = 5_000
+_FEWEST = 10_000
+
+_BLOCK = 4
+"""Grid points along the side of a block that is judged as one where it is far from the surface."""
 
 _HOLE_CENTRE, _HOLE_RADIUS = np.array([[4.0, 88.0, -14.0]]), 3.0
 """Where the scanner saw nothing: a small hole on the back of the head."""
@@ -38,7 +41,7 @@ def synthetic_scan(seed: int = 0, vertices: int = 40_000) -> tuple[Floats, Indic
     seed
         Of the random numbers for the irregularity and the noise.
     vertices
-        Number of vertices wanted, 5,000 or more; kept to within a few per cent.
+        Number of vertices wanted, 10,000 or more; kept to within a few per cent.
 
     Returns
     -------
@@ -51,7 +54,9 @@ def synthetic_scan(seed: int = 0, vertices: int = 40_000) -> tuple[Floats, Indic
         Too few vertices for the figure's thin parts.
     """
     if vertices < _FEWEST:
-        raise InputError(f"a synthetic scan of {vertices} vertices would lose its thin parts: ask for {_FEWEST} or more")
+        raise InputError(
+            f"a synthetic scan of {vertices} vertices would lose its thin parts: ask for {_FEWEST} or more"
+        )
     random = np.random.default_rng(seed)
     spacing = float(np.sqrt(_VERTICES_AT_ONE / vertices))
     points, triangles = _contour(spacing)
@@ -77,6 +82,8 @@ def figure(x: Floats, y: Floats, z: Floats) -> Floats:
     shape = _body(x, y, z)
     shape = _blend(shape, _capsule(side, y, z, (27, 17, -2), (24, 14, 24), 15.0, 11.0), 6.0)
     shape = _blend(shape, _ellipsoid(side, y, z, (24.5, 17.0, 30.5), (9.5, 11.0, 6.5)), 4.0)
+    for across, up in ((-5.8, 4.6), (0.3, 7.4), (6.0, 4.0)):
+        shape = _blend(shape, _ellipsoid(side, y, z, (24.5 + across, 17.5 + up, 34.9), (2.8, 2.6, 1.8)), 1.2)
     shape = _blend(shape, _capsule(side, y, z, (21, 60, 12), (10.5, 33, 31), 10.0, 7.5), 5.0)
     shape = _blend(shape, _capsule(x, y, z, (0, 30, -36), (14, 14, -40), 4.0, 2.8), 4.0)
     shape = _blend(shape, _head(x, y, z), 6.0)
@@ -87,11 +94,11 @@ def _body(x: Floats, y: Floats, z: Floats) -> Floats:
     """Return the trunk of the body with a quilted blanket on its back."""
     body = _ellipsoid(x, y, z, (0, 43, -5), (33, 40, 32))
     around, along = np.arctan2(x, y - 43.0), np.arctan2(z + 5.0, np.hypot(x, y - 43.0))
-    edge = np.maximum(np.abs(around) / 1.9, np.abs(along + 0.35) / 0.62)
+    edge = np.maximum(np.abs(around) / 1.9, np.abs(along + 0.22) / 0.68)
     cloth = _step((1.0 - edge) / 0.06)
     hem = _step((edge - 0.84) / 0.05)
     quilt = np.abs(np.sin(9.0 * (around + along)) * np.sin(9.0 * (around - along)))
-    return body - cloth * (0.7 + 0.6 * hem + 0.8 * (1.0 - hem) * np.sqrt(quilt + 0.01))
+    return body - cloth * (0.7 + 0.6 * hem + 1.1 * (1.0 - hem) * np.sqrt(quilt + 0.01))
 
 
 def _head(x: Floats, y: Floats, z: Floats) -> Floats:
@@ -101,6 +108,7 @@ def _head(x: Floats, y: Floats, z: Floats) -> Floats:
     y = y - 84.0
     side = np.abs(x)
     head = _blend(_ellipsoid(x, y, z, (0, 0, 3), (24, 25, 24)), _ellipsoid(side, y, z, (9, 13, 1), (13, 12, 14)), 6.0)
+    head = _blend(head, _ellipsoid(x, y, z, (0, -20, 18), (8, 5, 8)), 3.0)
     head = _blend(head, _ears(side, y, z), 3.5)
     head = _blend(head, _capsule(side, y, z, (10.5, -11, 21), (14.5, -17, 37), 4.6, 2.2), 2.0)
     head = _blend(head, _ellipsoid(side, y, z, (15.5, 4.5, 20.8), (3.0, 3.4, 2.6)), 0.8)
@@ -172,11 +180,8 @@ def _capsule(x: Floats, y: Floats, z: Floats, a: Place, b: Place, start: float, 
 
 def _contour(spacing: float) -> tuple[Floats, Indices]:
     """Return a mesh near the figure's surface: one vertex a crossed cell of a grid (surface nets, Gibson 1998)."""
-    axes = [np.arange(low, high + spacing, spacing, np.float32) for low, high in zip(_LOW, _HIGH, strict=True)]
-    x, y, z = np.meshgrid(*axes, indexing="ij", sparse=True)
-    values = figure(x, y, z)  # type: ignore[arg-type]
-    inside = _well_composed(values < 0.0)
-    cell = np.full(values.shape, -1, np.int64)
+    inside = _well_composed(_inside(spacing))
+    cell = np.full(inside.shape, -1, np.int64)
     corners = sum(inside[_shifted(offset)].astype(np.int8) for offset in np.ndindex(2, 2, 2))
     crossed = (corners > 0) & (corners < 8)
     rows = np.argwhere(crossed)
@@ -188,24 +193,43 @@ def _contour(spacing: float) -> tuple[Floats, Indices]:
     return points, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
 
 
-def _well_composed(inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Fill grid points in until no two inside touch by a diagonal alone, where the contour would not be a manifold.
+def _inside(spacing: float) -> NDArray[np.bool_]:
+    """Return which points of a grid lie inside the figure; blocks of points far from its surface are judged as one."""
+    counts = np.ceil((_HIGH - _LOW) / (_BLOCK * spacing)).astype(np.int64)
+    middles = [
+        low + (_BLOCK * np.arange(n) + 0.5 * (_BLOCK - 1)) * spacing for low, n in zip(_LOW, counts, strict=True)
+    ]
+    coarse = figure(*np.meshgrid(*middles, indexing="ij", sparse=True))
+    inside, near = coarse < 0.0, np.abs(coarse) < _BLOCK * 1.2 * spacing
+    for axis in range(3):
+        inside, near = np.repeat(inside, _BLOCK, axis), np.repeat(near, _BLOCK, axis)
+    inside[near] = figure(*(_LOW + np.argwhere(near) * spacing).T) < 0.0
+    return inside
 
-    On a square, opposite corners that differ from the other two are such a place (Latecki, Eckhardt and Rosenfeld 1995);
-    in a cube, two opposite corners that differ from the other six.
+
+def _well_composed(inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Fill grid points in until no two that agree touch by a diagonal alone, which would make the mesh non-manifold.
+
+    On a square, such are opposite corners that differ from the two others; in a cube, opposite corners that differ
+    from the six others (Latecki, Eckhardt and Rosenfeld 1995, "Well-composed sets").
     """
     inside = inside.copy()
-    squares = [((0, 0, 0), p, q, tuple(np.add(p, q))) for p, q in combinations(np.eye(3, dtype=int).tolist(), 2)]
-    while True:
+    before = -1
+    while np.count_nonzero(inside) != before:
         before = np.count_nonzero(inside)
-        for square in squares:
-            a, b, c, d = (inside[_part(corner, np.add(square[1], square[2]))] for corner in square)
+        for axis in range(3):
+            grid = np.moveaxis(inside, axis, 0)
+            a, b, c, d = grid[:, :-1, :-1], grid[:, 1:, :-1], grid[:, :-1, 1:], grid[:, 1:, 1:]
             bad = (a == d) & (b == c) & (a != b)
             for corner in (a, b, c, d):
                 corner |= bad
-        _fill_cubes(inside)
-        if np.count_nonzero(inside) == before:
-            return inside
+        corners = [inside[_shifted(offset)] for offset in np.ndindex(2, 2, 2)]
+        count = sum(corner.astype(np.int8) for corner in corners)
+        for near, far in zip(corners[:4], corners[:3:-1], strict=True):
+            bad = (near == far) & np.where(near, count == 2, count == 6)
+            near |= bad
+            far |= bad
+    return inside
 
 
 def _shifted(offset: tuple[int, ...]) -> tuple[slice, ...]:
@@ -229,16 +253,12 @@ def _quads(inside: NDArray[np.bool_], cell: Indices, axis: int) -> Indices:
 
 
 def _gradient(points: Floats) -> tuple[Floats, Floats]:
-    """Return the figure's values (n, 1) over the slope there, and unit normals (n, 3), by central differences."""
-    step = 1e-3
-    slopes = np.empty_like(points)
-    for axis in range(3):
-        ahead, behind = points.copy(), points.copy()
-        ahead[:, axis] += step
-        behind[:, axis] -= step
-        slopes[:, axis] = (figure(*ahead.T) - figure(*behind.T)) / (2.0 * step)
+    """Return the figure's values over its slope (n, 1), and unit normals (n, 3), by forward differences."""
+    step = 1e-4
+    here = figure(*points.T)
+    slopes = np.stack([(figure(*(points + shift).T) - here) / step for shift in step * np.eye(3)], axis=1)
     size = np.linalg.norm(slopes, axis=1, keepdims=True)
-    return figure(*points.T)[:, None] / size, slopes / size
+    return here[:, None] / size, slopes / size
 
 
 def _on_figure(points: Floats, steps: int) -> Floats:

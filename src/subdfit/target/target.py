@@ -1,6 +1,6 @@
 """What is known of the data to be fitted: its points, faces, normals, curves, and searches among them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
@@ -12,6 +12,7 @@ from subdfit.errors import InputError
 from subdfit.target.bvh import SegmentTree, TriangleTree
 from subdfit.target.curves import boundary_edges
 from subdfit.target.faceting import sagitta
+from subdfit.target.frame import Frame
 from subdfit.target.features import automatic_creases, crease_edges
 from subdfit.target.normals import vertex_normals
 
@@ -62,6 +63,15 @@ class Target:
     def crease_tree(self) -> SegmentTree | None:
         """Search for closest points on the creases; None where there are none."""
         return SegmentTree(self.points, self.crease_edges) if len(self.crease_edges) else None
+
+    def on_triangles(self, triangle: NDArray[np.integer], uv: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Points (k, 3) at barycentric (1 - u - v, u, v) of triangles (k,)."""
+        weights = np.column_stack([1 - uv.sum(axis=1), uv])
+        return np.einsum("kc,kcd->kd", weights, self.points[self.triangles[triangle]])
+
+    def normalised(self, frame: Frame) -> "Target":
+        """The same data in the normalised coordinates of a frame."""
+        return replace(self, points=frame.inside(self.points), diagonal=self.diagonal / frame.diagonal)
 
     def nearest_point(self, queries: NDArray[np.float64]) -> NDArray[np.float64]:
         """Distances of (q, 3) queries from the nearest used point, (q,): what a cloud knows of closeness."""
