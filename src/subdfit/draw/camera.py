@@ -37,7 +37,8 @@ class Camera:
     def project(self, points: NDArray[np.floating]) -> NDArray[np.float32]:
         """Return (n, 3): right and up on the picture, and the height over the picture plane (larger is nearer)."""
         seen = (np.asarray(points, np.float64) - self.centre) @ self.rotation.T
-        seen[:, :2] *= (self.distance / (self.distance - seen[:, 2]))[:, None]
+        before_eye = np.maximum(self.distance - seen[:, 2], 0.1 * self.distance)
+        seen[:, :2] *= (self.distance / before_eye)[:, None]
         return seen.astype(np.float32)
 
     @property
@@ -86,10 +87,10 @@ def camera_for(
     points = points[np.unique(faces)]
     low, high = points.min(axis=0), points.max(axis=0)
     centre = 0.5 * (low + high)
-    distance = 3.0 * max(float(np.linalg.norm(high - low)), np.finfo(np.float32).tiny)
+    distance = 3.0 * max(float(np.linalg.norm(high - low)), 1e-30)
     camera = Camera(rotation, centre, distance, (-1.0, 1.0, -1.0, 1.0))
     seen = camera.project(points)[:, :2].astype(np.float64)
-    (left, bottom), (right, top) = seen.min(axis=0), seen.max(axis=0)
+    (left, bottom), (right, top) = seen.min(axis=0).tolist(), seen.max(axis=0).tolist()
     border = max(margin * max(right - left, top - bottom), 1e-6 * distance)
     return Camera(rotation, centre, distance, (left - border, right + border, bottom - border, top + border))
 
@@ -99,7 +100,8 @@ def _view(azimuth: float, elevation: float, up: str) -> NDArray[np.float64]:
     right = [np.cos(a), 0.0, -np.sin(a)]
     above = [-np.sin(e) * np.sin(a), np.cos(e), -np.sin(e) * np.cos(a)]
     viewer = [np.cos(e) * np.sin(a), np.sin(e), np.cos(e) * np.cos(a)]
-    return np.array([right, above, viewer]) @ _UP[up]
+    rotation: NDArray[np.float64] = np.array([right, above, viewer]) @ _UP[up]
+    return rotation
 
 
 def _first_telling(

@@ -102,7 +102,7 @@ def _albedo(
     norm: Normalize | None,
 ) -> NDArray[np.float32]:
     if colors is None or isinstance(colors, str):
-        return np.tile(np.float32(to_rgb(PLASTER if colors is None else colors)), (len(faces), 1))
+        return np.tile(np.array(to_rgb(colors or PLASTER), np.float32), (len(faces), 1))
     given = np.asarray(colors)
     if given.shape == (3,) and vertex_count != 3:
         return np.tile(given.astype(np.float32), (len(faces), 1))

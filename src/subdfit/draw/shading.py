@@ -38,11 +38,11 @@ def smooth_normals(vertices: NDArray[np.floating], triangles: NDArray[np.integer
     for axis in range(3):
         weights = np.repeat(areas[:, axis], 3)
         at_vertices[:, axis] = np.bincount(triangles.ravel(), weights, minlength=len(vertices))
-    at_vertices = unit(at_vertices)
+    vertex_normals = unit(at_vertices)
     own = unit(areas.astype(np.float32))
     total = np.zeros_like(own)
     for corner in range(3):
-        normal = at_vertices[triangles[:, corner]]
+        normal = vertex_normals[triangles[:, corner]]
         sharp = np.einsum("ij,ij->i", normal, own) < _SHARP
         total += np.where(sharp[:, None], own, normal)
     return unit(total)
@@ -51,7 +51,7 @@ def smooth_normals(vertices: NDArray[np.floating], triangles: NDArray[np.integer
 def unit(vectors: NDArray[np.float32]) -> NDArray[np.float32]:
     """Return the vectors at length one; those of no length stay zero."""
     lengths = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
-    return vectors / np.where(lengths > 0.0, lengths, np.float32(1.0))[:, None]
+    return np.asarray(vectors / np.where(lengths > 0.0, lengths, np.float32(1.0))[:, None], np.float32)
 
 
 def lit(
@@ -73,4 +73,4 @@ def lit(
     shine = 0.16 * open_sky * np.clip(normals @ half, 0.0, None) ** 40
     edge = 0.35 * np.clip(normals @ RIM, 0.0, None) * (1.0 - np.clip(normals[:, 2], 0.0, 1.0)) ** 2
     glow = (shine + edge)[:, None]
-    return np.clip(albedo * diffuse[:, None] * (1.0 - glow) + glow, 0.0, 1.0).astype(np.float32)
+    return np.asarray(np.clip(albedo * diffuse[:, None] * (1.0 - glow) + glow, 0.0, 1.0), np.float32)

@@ -18,7 +18,9 @@ from subdfit.fit.system import Rows, System
 Floats = NDArray[np.float64]
 
 REVERSE_UV = np.array([[1 / 3, 1 / 3], [1 / 6, 1 / 6], [2 / 3, 1 / 6], [1 / 6, 2 / 3]])
-"""Where a face without data is sampled."""
+"""Where a face with few data points is sampled."""
+SPARSE = 3
+"""Faces with fewer data points than this are sampled."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,7 @@ class TangentSettings:
     fairness : weight of the displacement's Laplacian, against the mean weight of a control vertex.
     relaxation : weight that draws vertices within the tangent plane to the middle of their neighbours: without it they
         slide until the surface folds.
-    reverse_weight : weight of the samples of faces without data, drawn to the target.
+    reverse_weight : weight of the samples of faces with few data points, drawn to the target.
     damping : the first Levenberg damping, against each control vertex's own weight.
     """
 
@@ -76,20 +78,34 @@ def curve_rows(state: FitState, settings: TangentSettings) -> list[Rows]:
 
 
 def reverse_rows(state: FitState, settings: TangentSettings) -> list[Rows]:
-    """Rows that draw faces without data to the target: nothing else keeps them from it, as at a sharp ridge."""
-    if not state.data.target.is_mesh:
+    """Rows that draw faces with few data points to the target: nothing else keeps them there, as beyond a sharp ridge.
+
+    The pull acts along the gradient of the distance to the target, which is the direction of the gap.
+    """
+    target = state.data.target
+    if not target.is_mesh or settings.reverse_weight == 0:
         return []
-    empty = np.bincount(state.face, minlength=state.surface.domain.face_count) == 0
-    face = np.repeat(np.flatnonzero(empty).astype(np.int32), len(REVERSE_UV))
+    count = np.bincount(state.face, minlength=state.surface.domain.face_count)
+    sparse = np.flatnonzero(count < SPARSE).astype(np.int32)
+    face, uv = np.repeat(sparse, len(REVERSE_UV)), np.tile(REVERSE_UV, (len(sparse), 1))
     if len(face) == 0:
         return []
-    uv = np.tile(REVERSE_UV, (np.count_nonzero(empty), 1))
     position = state.surface.evaluate(face, uv).position
-    found = state.data.target.tree.closest(position)
-    metric = np.zeros((len(face), 6))
-    metric[:, [0, 3, 5]] = settings.reverse_weight
-    residual = state.data.target.on_triangles(found.triangle, found.uv) - position
+    found = target.tree.closest(position)
+    residual = target.on_triangles(found.triangle, found.uv) - position
+    direction = np.divide(
+        residual, found.distance[:, None], out=np.zeros_like(residual), where=found.distance[:, None] > 1e-12
+    )
+    metric = _direction_metric(direction, settings.reverse_weight, settings.tangential)
     return [Rows(*state.surface.patch_weights(face, uv), metric, residual)]
+
+
+def _direction_metric(d: Floats, along: float, across: float) -> Floats:
+    """Quadratic forms ``along`` d d^T + ``along across`` (I - d d^T) of unit vectors, (k, 6)."""
+    factor = along * (1 - across)
+    metric = factor * np.column_stack([d[:, :1] * d, d[:, 1:2] * d[:, 1:], d[:, 2:] * d[:, 2:]])
+    metric[:, [0, 3, 5]] += along * across
+    return metric
 
 
 def _curve_rows(

@@ -31,10 +31,10 @@ _HOLE_CENTRE, _HOLE_RADIUS = np.array([[4.0, 88.0, -14.0]]), 3.0
 def synthetic_scan(seed: int = 0, vertices: int = 40_000) -> tuple[Floats, Indices]:
     """Return a synthetic scan of a hand-sized figure: an elephant on a plinth, its trunk curled to its forehead.
 
-    The trunk makes a handle, so that the genus is one; the open foot of the plinth and a small hole on the back of the head
-    are its two boundaries. Skin and ears are smooth; blanket, trunk and plinth carry fine relief. The triangles are
-    irregular, Delaunay on the surface, oriented outwards, and every vertex has Gaussian noise of `NOISE` times the
-    diagonal along the normal. The same arguments give the same mesh.
+    The trunk makes a handle, so that the genus is one; the open foot of the plinth and a small hole on the back of
+    the head are its two boundaries. Skin and ears are smooth; blanket, trunk and plinth carry fine relief. The
+    triangles are irregular, nearly Delaunay, manifold and oriented outwards, and every vertex has Gaussian noise of
+    `NOISE` times the diagonal along the normal. The same arguments give the same mesh.
 
     Parameters
     ----------
@@ -98,7 +98,8 @@ def _body(x: Floats, y: Floats, z: Floats) -> Floats:
     cloth = _step((1.0 - edge) / 0.06)
     hem = _step((edge - 0.84) / 0.05)
     quilt = np.abs(np.sin(9.0 * (around + along)) * np.sin(9.0 * (around - along)))
-    return body - cloth * (0.7 + 0.6 * hem + 1.1 * (1.0 - hem) * np.sqrt(quilt + 0.01))
+    thickness: Floats = cloth * (0.7 + 0.6 * hem + 1.1 * (1.0 - hem) * np.sqrt(quilt + 0.01))
+    return body - thickness
 
 
 def _head(x: Floats, y: Floats, z: Floats) -> Floats:
@@ -122,7 +123,8 @@ def _ears(side: Floats, y: Floats, z: Floats) -> Floats:
     front = np.sin(flare) * (side - 20.0) + np.cos(flare) * (z + 2.0)
     bowed = front - 0.011 * ((out - 14.0) ** 2 + (y - 1.0) ** 2)
     beyond = np.maximum(_ellipsoid(out, y, 0.0 * z, (14, 0, 0), (16.5, 20.5, 1.0)), 0.0)
-    return np.hypot(beyond, bowed) - 2.6
+    middle: Floats = np.hypot(beyond, bowed)
+    return middle - 2.6
 
 
 def _trunk(x: Floats, y: Floats, z: Floats) -> Floats:
@@ -215,8 +217,8 @@ def _well_composed(inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """
     inside = inside.copy()
     before = -1
-    while np.count_nonzero(inside) != before:
-        before = np.count_nonzero(inside)
+    while int(np.count_nonzero(inside)) != before:
+        before = int(np.count_nonzero(inside))
         for axis in range(3):
             grid = np.moveaxis(inside, axis, 0)
             a, b, c, d = grid[:, :-1, :-1], grid[:, 1:, :-1], grid[:, :-1, 1:], grid[:, 1:, 1:]
@@ -322,7 +324,8 @@ def _flip(points: Floats, triangles: Indices) -> Indices:
 def _cotangent(points: Floats, apex: Indices, a: Indices, b: Indices) -> Floats:
     """Return the cotangent of the angle at `apex` in the triangles (apex, a, b)."""
     u, v = points[a] - points[apex], points[b] - points[apex]
-    return np.einsum("ij,ij->i", u, v) / (np.linalg.norm(np.cross(u, v), axis=1) + 1e-12)
+    areas: Floats = np.linalg.norm(np.cross(u, v), axis=1) + 1e-12
+    return np.asarray(np.einsum("ij,ij->i", u, v) / areas)
 
 
 def _agree(points: Floats, one: tuple[Indices, ...], other: tuple[Indices, ...]) -> NDArray[np.bool_]:
