@@ -1,4 +1,4 @@
-"""The surface hangs together: positions across every side, tangent planes across every smooth one and round vertices."""
+"""The surface hangs together: positions across every side, tangent planes across smooth ones and round vertices."""
 
 import numpy as np
 import pytest

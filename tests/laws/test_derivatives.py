@@ -66,21 +66,21 @@ def test_derivatives_in_the_corners_are_of_the_size_of_the_mesh(surface):
 def test_curves_along_sharp_sides_keep_their_tangent_into_the_corner(surface):
     """Boundary and crease curves are cubic splines whatever meets them.
 
-    Left out are darts, and untagged corners of one cell: there the curve passes both sides of the cell in one direction,
-    and limit tangents must span the cell's plane.
+    Left out are darts, and untagged corners of one cell: there the curve passes both sides of the cell in one
+    direction, and limit tangents must span the cell's plane.
     """
     domain, corners = surface.domain, corners_of(surface)
     tagged = corners.pinned | (corners.sharp_sides >= 3)
     for turn in (1, -1):
         number = np.array([len(CORNERS[int(domain.shape[f])]) for f in corners.face])
-        here = np.array([np.abs(CORNERS[n] - uv).sum(axis=1).argmin() for n, uv in zip(number, corners.uv, strict=True)])
+        here = np.array(
+            [np.abs(CORNERS[n] - uv).sum(axis=1).argmin() for n, uv in zip(number, corners.uv, strict=True)]
+        )
         side = np.where(turn == 1, here, (here - 1) % number)
         keep = domain.sharp[corners.face, side] & (tagged | ((corners.cells > 1) & (corners.sharp_sides == 2)))
         face, uv = corners.face[keep], corners.uv[keep]
         ends = [CORNERS[n][(k + turn) % n] for n, k in zip(number[keep], here[keep], strict=True)]
         step = np.reshape(ends, (-1, 2)) - uv
-        curve = [
-            np.einsum("kd,kdx->kx", step, surface.evaluate(face, uv + t * step, 1).first) for t in (0.0, 2.0**-30)
-        ]
+        curve = [np.einsum("kd,kdx->kx", step, surface.evaluate(face, uv + t * step, 1).first) for t in (0.0, 2.0**-30)]
         at, near = (tangent / np.linalg.norm(tangent, axis=1, keepdims=True) for tangent in curve)
         assert np.abs(at - near).max(initial=0) < 1e-6

@@ -30,7 +30,9 @@ def test_no_points_give_no_rows():
 
 def test_one_face_one_pair_of_parameters():
     surface = surface_of("loop", "octahedron")
-    np.testing.assert_array_equal(surface.evaluate(3, [0.2, 0.3]).position, surface.evaluate([3], [[0.2, 0.3]]).position)
+    np.testing.assert_array_equal(
+        surface.evaluate(3, [0.2, 0.3]).position, surface.evaluate([3], [[0.2, 0.3]]).position
+    )
 
 
 @pytest.mark.parametrize(

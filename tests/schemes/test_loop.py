@@ -129,7 +129,9 @@ def test_jordan_block_at_valence_three_only(n):
     assert (vectors < multiplicity) == (n == 3)
 
 
-@pytest.mark.parametrize("kind", [smooth_corner(5), open_corner(4), open_corner(2, True), CornerType(7, 3, True, True, False)])
+@pytest.mark.parametrize(
+    "kind", [smooth_corner(5), open_corner(4), open_corner(2, True), CornerType(7, 3, True, True, False)]
+)
 def test_limit_mask_is_the_left_eigenvector_of_one(kind):
     mask = limit_mask(kind)
     np.testing.assert_allclose(mask @ ring_matrix(kind), mask, atol=1e-15)

@@ -12,7 +12,10 @@ from subdfit.schemes.domain import TRIANGLE
 
 CORNERS = {3: np.array([[0, 0], [1, 0], [0, 1.0]]), 4: np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]])}
 
-CHILDREN = {"loop": 0.5 * np.array([[[0, 0], [1, 0], [0, 1]], [[1, 0], [2, 0], [1, 1]], [[0, 1], [1, 1], [0, 2]], [[1, 1], [0, 1], [1, 0]]])}
+CHILDREN = {
+    "loop": 0.5
+    * np.array([[[0, 0], [1, 0], [0, 1]], [[1, 0], [2, 0], [1, 1]], [[0, 1], [1, 1], [0, 2]], [[1, 1], [0, 1], [1, 0]]])
+}
 """For schemes that cut a triangle in four: (children, corners, 2), the child's corners in its parent's parameters."""
 
 

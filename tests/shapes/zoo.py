@@ -187,9 +187,7 @@ def long_dart(n):
 
 def boundary_dart(n):
     """A crease from the boundary (there a corner) to a dart of valence n."""
-    return shape(
-        (np.vstack([[0, 0, 0.5], circle(n)]), fan_faces(n)), f"boundary dart {n}", crease_edges=[[0, 2]]
-    )
+    return shape((np.vstack([[0, 0, 0.5], circle(n)]), fan_faces(n)), f"boundary dart {n}", crease_edges=[[0, 2]])
 
 
 def parted(n, k):
@@ -240,7 +238,7 @@ def tagged_sphere(seed):
 
 def two_components():
     points, faces = pyramid_data(4)
-    other = np.vstack([[0, 0, 0.5], circle(5)]) + [3, 0, 0]
+    other = np.vstack([[0, 0, 0.5], circle(5)]) + np.array([3, 0, 0])
     return shape((np.vstack([points, other]), [*faces, *(np.array(fan_faces(5)) + len(points))]), "two components")
 
 

@@ -79,7 +79,8 @@ def error_bar(figure: Figure, cax: Axes, scale: ErrorScale, diagonal: float, uni
     cax.yaxis.set_label_position("left")
     cax.set_ylabel("distance, % of the diagonal", size=8.5, color=INK)
     factor = diagonal / 100.0
-    lengths = cax.secondary_yaxis("right", functions=(lambda p: p * factor, lambda length: length / factor))
+    there_and_back = (lambda p: np.asarray(p, np.float64) * factor, lambda q: np.asarray(q, np.float64) / factor)
+    lengths = cax.secondary_yaxis("right", functions=there_and_back)
     lengths.set_ylabel(unit or "model's unit", size=8.5, color=INK)
     for axis in (cax, lengths):
         axis.tick_params(labelsize=8, width=0.6, length=3, color=INK, labelcolor=INK)

@@ -71,7 +71,9 @@ def fit_picture(
     points, faces = np.asarray(target[0]), np.asarray(target[1])
     axes = [axes_at(figure, _GAP + k * (_PANEL + _GAP), _CAPTION, _PANEL, height) for k in range(3)]
     render(axes[0], points, faces, camera=view)
-    render(axes[1], *surface, camera=view, colors=SURFACE, lines=control_edges)
+    edges = np.asarray(control_edges, np.float64)
+    width = float(np.clip(0.5 * (60_000 / max(len(edges), 1)) ** 0.3, 0.22, 0.7))
+    render(axes[1], *surface, camera=view, colors=SURFACE, lines=edges, line_width=width)
     render(axes[2], *surface, camera=view, colors=errors, cmap=scale.cmap, norm=scale.norm)
     captions = (
         f"target\n{len(np.unique(faces)):,} points, {len(faces):,} triangles",

@@ -13,7 +13,7 @@ from subdfit.draw.page import axes_at, new_figure, text_at, write_png
 from subdfit.draw.render import render
 from subdfit.errors import InputError
 
-_GAP, _CAPTION_LINE, _TITLE = 0.12, 0.2, 0.45
+_GAP, _CAPTION_LINE, _TITLE = 0.12, 0.19, 0.45
 """Inches: space between panels, height of a line of caption, height of the title."""
 
 

@@ -1,6 +1,7 @@
 """Shaded triangles on a matplotlib axes: painted from far to near, without a display or a graphics card."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib import colormaps
@@ -30,11 +31,12 @@ _SEAM = 0.3
 
 @dataclass(frozen=True)
 class _Sheet:
-    """Triangles on paper: corners (m, 3, 2), height of the centres (m,), colours (m, 3)."""
+    """Triangles on paper: corners (m, 3, 2), height of the centres (m,), colours (m, 3), and the picture's depth."""
 
     corners: NDArray[np.float32]
     height: NDArray[np.float32]
     colors: NDArray[np.float32]
+    depth: DepthPicture
 
 
 def render(
@@ -79,7 +81,7 @@ def render(
     order = np.argsort(np.concatenate([sheet.height, stroke_height]), kind="stable")
     paint = np.concatenate([sheet.colors, stroke_colors])[order]
     widths = np.repeat([_SEAM, line_width], [len(sheet.height), len(strokes)])[order] if len(strokes) else _SEAM
-    shapes = np.concatenate([sheet.corners, strokes])[order]
+    shapes: Any = np.concatenate([sheet.corners, strokes])[order]
     ax.add_collection(
         PolyCollection(shapes, facecolors=paint, edgecolors=paint, linewidths=widths, capstyle="round"),
         autolim=False,
@@ -142,7 +144,7 @@ def _sheet(
     if len(faces) > _MANY:
         faces, colors = _merge_pixels(seen, faces, colors, camera, pixels)
     corners = seen[faces]
-    return _Sheet(corners[:, :, :2], corners[:, :, 2].mean(axis=1), colors)
+    return _Sheet(corners[:, :, :2], corners[:, :, 2].mean(axis=1), colors, depth)
 
 
 def _turns_to_viewer(seen: NDArray[np.float32], faces: NDArray[np.int64]) -> NDArray[np.bool_]:
@@ -181,6 +183,8 @@ def _strokes(
     if len(sheet.corners):
         sides = np.ptp(sheet.corners, axis=1).max(axis=1)
         lift = np.float32(max(np.quantile(sides, 0.9), 1e-3 * camera.distance))
-    flat = ends[:, [0, 1, 1]]
-    paint = np.asarray(to_rgb(line_colors) if isinstance(line_colors, str) else line_colors, np.float32)
-    return flat[:, :, :2], ends[:, :, 2].mean(axis=1) + lift, np.broadcast_to(paint, (len(flat), 3))
+    given = to_rgb(line_colors) if isinstance(line_colors, str) else line_colors
+    paint = np.broadcast_to(np.asarray(given, np.float32), (len(ends), 3))
+    visible = ~sheet.depth.hides(ends.reshape(-1, 3)).reshape(-1, 2).all(axis=1)
+    flat = ends[visible][:, [0, 1, 1]]
+    return flat[:, :, :2], flat[:, :2, 2].mean(axis=1) + lift, paint[visible]

@@ -6,10 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.fit.adapt import close_editor, face_maxima, longest_sides, open_editor, place_subdivided, side_marks
+from subdfit.fit.reverse import Strays, strays
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import CURVE_FACTOR, within
-from subdfit.fit.tangent import TangentSettings, merit, tangent_step
+from subdfit.fit.system import Rows
+from subdfit.fit.tangent import TangentSettings, merit, reverse_rows, tangent_step
 
 STEPS = 3
 """Steps between adaptations."""
@@ -28,6 +30,7 @@ class Auto:
         self.weights = weights or TangentSettings()
         self._damping = self.weights.damping
         self._steps = 0
+        self._reverse_weight = 1.0
 
     def advance(self, state: FitState) -> FitState:
         """One step, kept if the true error falls; every `STEPS` steps the control mesh is adapted first."""
@@ -35,11 +38,13 @@ class Auto:
             self._steps = 0
             state = self.adapt(state)
         self._steps += 1
+        extra = self._stray_rows(state)
         before = merit(state, self.weights)
-        points = tangent_step(state, self.weights, self._damping, self.settings.fixed_boundary)
+        points = tangent_step(state, self.weights, self._damping, extra, self.settings.fixed_boundary)
         moved = state.moved(points)
         low, high = DAMPING_RANGE
-        if merit(moved, self.weights) < before:
+        # Strays are no data: what draws them back may cost the data a little.
+        if extra or merit(moved, self.weights) < before:
             self._damping = max(self._damping / 3, low)
             return moved
         self._damping = min(self._damping * 10, high)
@@ -49,9 +54,7 @@ class Auto:
         """Refine where the error asks for it: the longest side of each bad face, and bad curve sides."""
         tolerance = self.settings.tolerance
         state = state.refreshed(tolerance.max or 0.0)
-        if within(state, tolerance):
-            return state
-        faces = self._bad_faces(state)
+        faces = self._stray_faces(state) if within(state, tolerance) else self._bad_faces(state)
         marks = longest_sides(state, faces)
         if tolerance.max is not None and not self.settings.fixed_boundary:
             marks |= side_marks(state, CURVE_FACTOR * tolerance.max)
@@ -66,6 +69,25 @@ class Auto:
             editor.regularise_connectivity(region)
             editor.improve_angles(region, max_rise=0)
         return close_editor(editor, state)
+
+    def _strays(self, state: FitState) -> Strays | None:
+        """Samples of the surface that stray, once the data's side is within tolerance."""
+        bound = self.settings.tolerance.max
+        if bound is None or not within(state, self.settings.tolerance):
+            return None
+        return strays(state, 0.9 * bound)
+
+    def _stray_rows(self, state: FitState) -> list[Rows]:
+        """Pull strays back, harder each time that some are left."""
+        found = self._strays(state)
+        if found is None or len(found) == 0:
+            return []
+        self._reverse_weight = min(2 * self._reverse_weight, 64.0)
+        return [reverse_rows(state, self.weights, found.face, found.uv, found.gap, self._reverse_weight)]
+
+    def _stray_faces(self, state: FitState) -> NDArray[np.int64]:
+        found = self._strays(state)
+        return np.unique(found.face).astype(np.int64) if found is not None else np.empty(0, np.int64)
 
     def _bad_faces(self, state: FitState) -> NDArray[np.int64]:
         """Faces whose maximum is too large, worst first and capped; where a mean is, those with the largest sums."""

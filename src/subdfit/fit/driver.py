@@ -14,6 +14,7 @@ from subdfit.fit.auto import Auto
 from subdfit.fit.data import FitData
 from subdfit.fit.fitter import Fitter
 from subdfit.fit.geometric import Geometric
+from subdfit.fit.reverse import strays
 from subdfit.fit.result import FitResult, Iteration, Status
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
@@ -162,7 +163,7 @@ def _iterate(run: _Run, state: FitState) -> FitState:
             clock = time.perf_counter()
             state = state.verified()
             run.timed("verification", clock)
-            if within(state, settings.tolerance):
+            if within(state, settings.tolerance) and _reverse_within(state, settings):
                 return state
         state = fitter.advance(state)
         run.record("fit", state)
@@ -172,6 +173,11 @@ def _iterate(run: _Run, state: FitState) -> FitState:
             break
     assert run.best is not None
     return run.best
+
+
+def _reverse_within(state: FitState, settings: FitSettings) -> bool:
+    bound = settings.tolerance.max
+    return bound is None or len(strays(state, bound)) == 0
 
 
 def _result(

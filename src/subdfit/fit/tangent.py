@@ -38,17 +38,22 @@ class TangentSettings:
     damping : the first Levenberg damping, against each control vertex's own weight.
     """
 
-    tangential: float = 0.003
+    tangential: float = 0.01
     curve_weight: float = 4.0
     fairness: float = 1e-3
-    relaxation: float = 1e-4
+    relaxation: float = 1e-3
     reverse_weight: float = 0.1
     damping: float = 1e-3
 
 
-def tangent_step(state: FitState, settings: TangentSettings, damping: float, fixed_boundary: bool = False) -> Floats:
-    """Control points after one damped step from `state`, (n, 3); with `fixed_boundary` those on the boundary stay."""
-    rows = [surface_rows(state, settings), *curve_rows(state, settings), *reverse_rows(state, settings)]
+def tangent_step(
+    state: FitState, settings: TangentSettings, damping: float, extra: list[Rows], fixed_boundary: bool = False
+) -> Floats:
+    """Control points after one damped step from `state`, (n, 3).
+
+    `extra` terms are added to those of the data; with `fixed_boundary` the vertices on the boundary stay.
+    """
+    rows = [surface_rows(state, settings), *curve_rows(state, settings), *sparse_rows(state, settings), *extra]
     system = System(state.surface, rows, damping, settings.fairness, settings.relaxation, fixed_boundary)
     return state.surface.control_mesh.points + system.solve()
 
@@ -77,11 +82,8 @@ def curve_rows(state: FitState, settings: TangentSettings) -> list[Rows]:
     return found
 
 
-def reverse_rows(state: FitState, settings: TangentSettings) -> list[Rows]:
-    """Rows that draw faces with few data points to the target: nothing else keeps them there, as beyond a sharp ridge.
-
-    The pull acts along the gradient of the distance to the target, which is the direction of the gap.
-    """
+def sparse_rows(state: FitState, settings: TangentSettings) -> list[Rows]:
+    """Rows that draw faces with few data points to the target: nothing else keeps them there, as beyond a sharp ridge."""
     target = state.data.target
     if not target.is_mesh or settings.reverse_weight == 0:
         return []
@@ -92,12 +94,18 @@ def reverse_rows(state: FitState, settings: TangentSettings) -> list[Rows]:
         return []
     position = state.surface.evaluate(face, uv).position
     found = target.tree.closest(position)
-    residual = target.on_triangles(found.triangle, found.uv) - position
-    direction = np.divide(
-        residual, found.distance[:, None], out=np.zeros_like(residual), where=found.distance[:, None] > 1e-12
-    )
-    metric = _direction_metric(direction, settings.reverse_weight, settings.tangential)
-    return [Rows(*state.surface.patch_weights(face, uv), metric, residual)]
+    gap = target.on_triangles(found.triangle, found.uv) - position
+    return [reverse_rows(state, settings, face, uv, gap, settings.reverse_weight)]
+
+
+def reverse_rows(
+    state: FitState, settings: TangentSettings, face: NDArray[np.int32], uv: Floats, gap: Floats, weight: float
+) -> Rows:
+    """Rows that draw samples of the surface along their `gap`, which is the gradient of the distance to the target."""
+    length = np.linalg.norm(gap, axis=1, keepdims=True)
+    direction = np.divide(gap, length, out=np.zeros_like(gap), where=length > 1e-12)
+    metric = _direction_metric(direction, weight, settings.tangential)
+    return Rows(*state.surface.patch_weights(face, uv), metric, gap)
 
 
 def _direction_metric(d: Floats, along: float, across: float) -> Floats:
@@ -111,10 +119,8 @@ def _direction_metric(d: Floats, along: float, across: float) -> Floats:
 def _curve_rows(
     state: FitState, curve: CurveProjection, rows: NDArray[np.int64], settings: TangentSettings
 ) -> Rows:
-    t, w = curve.tangent, settings.curve_weight
-    along = w * (settings.tangential - 1)
-    metric = along * np.column_stack([t[:, :1] * t, t[:, 1:2] * t[:, 1:], t[:, 2:] * t[:, 2:]])
-    metric[:, [0, 3, 5]] += w
+    across = _direction_metric(curve.tangent, settings.tangential, 1 / settings.tangential)
+    metric = settings.curve_weight * across
     weights = state.surface.patch_weights(curve.face, curve.uv)
     return Rows(*weights, metric, state.data.points[rows] - curve.position)
 

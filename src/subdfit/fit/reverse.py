@@ -1,0 +1,47 @@
+"""The reverse side: samples of the surface that lie too far from the target."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subdfit.fit.state import FitState
+from subdfit.limit.tessellate import lattice
+from subdfit.measure import REVERSE_SEGMENTS
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Strays:
+    """Samples of a surface that lie off the target by more than they may.
+
+    Attributes
+    ----------
+    face, uv : (k,) and (k, 2), where they lie.
+    gap : (k, 3), from the sample to the target.
+    """
+
+    face: NDArray[np.int32]
+    uv: Floats
+    gap: Floats
+
+    def __len__(self) -> int:
+        """Number of samples."""
+        return len(self.face)
+
+
+def strays(state: FitState, bound: float) -> Strays:
+    """Find the samples that lie farther from the target than `bound` and the sagitta of the face they meet.
+
+    The samples are those of the certificate. A point cloud has no reverse side: none stray.
+    """
+    target = state.data.target
+    if not target.is_mesh:
+        return Strays(np.empty(0, np.int32), np.empty((0, 2)), np.empty((0, 3)))
+    grid = lattice(state.surface.domain, REVERSE_SEGMENTS)
+    position = state.surface.evaluate(grid.face, grid.uv).position
+    found = target.tree.closest(position)
+    far = np.flatnonzero(found.distance - target.sagitta[found.triangle] > bound)
+    gap = target.on_triangles(found.triangle[far], found.uv[far]) - position[far]
+    return Strays(grid.face[far], np.ascontiguousarray(grid.uv[far]), gap)

@@ -1,0 +1,133 @@
+"""The painter: coverage, occlusion and colours, told from the pixels."""
+
+import numpy as np
+import pytest
+from pixels import covered, painted, reddish, sphere
+
+from subdfit.draw.camera import camera_for
+from subdfit.draw.depth import DepthPicture
+from subdfit.draw.shading import is_closed, signed_volume, smooth_normals
+from subdfit.errors import InputError
+
+RED = (0.9, 0.05, 0.05)
+BALL = sphere()
+FRONT = camera_for(*BALL, azimuth=0.0, elevation=0.0)
+
+
+def both(one, other):
+    return np.vstack([one[0], other[0]]), np.vstack([one[1], other[1] + len(one[0])])
+
+
+@pytest.mark.parametrize("rows", [40, 420])
+def test_a_sphere_covers_its_disc_without_gaps(rows):
+    points, triangles = sphere(rows)
+    camera = camera_for(points, triangles, azimuth=20.0, elevation=30.0)
+    shown = covered(painted(points, triangles, camera=camera, inches=3.0))
+    left, right, bottom, top = camera.window
+    half_angle = np.arcsin(1.0 / camera.distance)
+    disc = np.pi * (np.tan(half_angle) * camera.distance) ** 2 / ((right - left) * (top - bottom))
+    assert shown.mean() == pytest.approx(disc, rel=0.02)
+    for row in shown:
+        across = np.flatnonzero(row)
+        assert len(across) == 0 or len(across) == across[-1] - across[0] + 1
+
+
+def test_light_comes_from_above_and_from_the_left():
+    grey = painted(*BALL, camera=FRONT).mean(axis=2)
+    size = len(grey)
+    assert grey[size // 4, size // 3] > grey[3 * size // 4, 2 * size // 3] + 0.1
+
+
+def test_a_closed_mesh_may_be_inside_out():
+    points, triangles = BALL
+    np.testing.assert_allclose(
+        painted(points, triangles, camera=FRONT), painted(points, triangles[:, ::-1], camera=FRONT), atol=0.02
+    )
+
+
+@pytest.mark.parametrize(("z", "visible"), [(-3.0, False), (1.5, True)])
+def test_the_nearer_surface_hides_the_farther(z, visible):
+    points, triangles = both(BALL, sphere(16, 0.3, (0.0, 0.0, z)))
+    colors = np.where((np.arange(len(triangles)) < len(BALL[1]))[:, None], 0.7, RED)
+    assert reddish(painted(points, triangles, camera=FRONT, colors=colors)).any() == visible
+
+
+@pytest.mark.parametrize(("z", "visible"), [(-1.0, False), (1.001, True)])
+def test_the_surface_hides_lines_behind_it(z, visible):
+    at = np.linspace(-0.04, 0.04, 9)
+    lines = np.stack(
+        [np.stack([at[:-1], 0 * at[1:], z + 0 * at[1:]], 1), np.stack([at[1:], 0 * at[1:], z + 0 * at[1:]], 1)], 1
+    )
+    shown = reddish(painted(*BALL, camera=FRONT, lines=lines, line_colors=RED, line_width=2.0))
+    assert shown.any() == visible
+
+
+def test_the_edges_of_the_back_stay_hidden():
+    points, triangles = BALL
+    middle = points[triangles].mean(axis=1)
+    lines = points[np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2)]
+    colors = np.repeat(np.where(middle[:, 2:] < -0.2, RED, (0.1, 0.1, 0.1)), 3, axis=0)
+    shown = reddish(painted(points, triangles, camera=FRONT, lines=lines.reshape(-1, 2, 3), line_colors=colors))
+    assert not shown.any()
+
+
+def test_an_open_surface_shows_its_inner_side_bluer():
+    points, triangles = BALL
+    bowl = triangles[np.all(points[triangles][:, :, 2] <= 0.01, axis=1)]
+    inner = painted(points, bowl, camera=FRONT)
+    outer = painted(points * [1, 1, -1], bowl[:, ::-1], camera=FRONT)
+    size = len(inner) // 2
+    assert inner[size, size, 2] / inner[size, size, 0] > outer[size, size, 2] / outer[size, size, 0] + 0.1
+
+
+def test_numbers_at_the_vertices_become_colours():
+    points, triangles = BALL
+    picture = painted(points, triangles, camera=FRONT, colors=points[:, 1], cmap="bwr")
+    size = len(picture)
+    top, foot = picture[size // 5, size // 2], picture[4 * size // 5, size // 2]
+    assert top[0] > top[2] + 0.2
+    assert foot[2] > foot[0] + 0.2
+
+
+def test_colours_that_fit_nothing_are_refused():
+    with pytest.raises(InputError, match=r"colors of shape \(7,\)"):
+        painted(*BALL, camera=FRONT, colors=np.zeros(7))
+
+
+def test_closed_means_every_directed_edge_has_its_opposite():
+    _, triangles = BALL
+    assert is_closed(triangles)
+    assert not is_closed(triangles[1:])
+    assert not is_closed(np.vstack([triangles[:1, ::-1], triangles[1:]]))
+    assert not is_closed(np.vstack([triangles, triangles]))
+
+
+def test_the_volume_of_a_sphere():
+    points, triangles = sphere(160)
+    assert signed_volume(points, triangles) == pytest.approx(4.0 / 3.0 * np.pi, rel=1e-3)
+    assert signed_volume(points, triangles[:, ::-1]) == pytest.approx(-4.0 / 3.0 * np.pi, rel=1e-3)
+
+
+def test_normals_are_smooth_on_a_sphere_and_sharp_on_a_cube():
+    points, triangles = BALL
+    middles = points[triangles].mean(axis=1)
+    middles /= np.linalg.norm(middles, axis=1, keepdims=True)
+    assert np.einsum("ij,ij->i", smooth_normals(points, triangles), middles).min() > np.cos(np.radians(2.0))
+    corners = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
+    sides = np.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6]])
+    sides = np.vstack([sides, [[0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]])
+    own = np.cross(corners[sides[:, 1]] - corners[sides[:, 0]], corners[sides[:, 2]] - corners[sides[:, 0]])
+    np.testing.assert_allclose(smooth_normals(corners, sides), own, atol=1e-6)
+
+
+def test_the_depth_picture_knows_what_is_hidden_and_what_is_deep():
+    x, y = np.meshgrid(np.linspace(0, 1, 300), np.linspace(0, 1, 300))
+    pit = -0.03 * np.exp(-((x - 0.5) ** 2 + (y - 0.5) ** 2) / 0.001)
+    sheet = np.stack([x, y, pit], axis=2).reshape(-1, 3).astype(np.float32)
+    depth = DepthPicture(sheet, (0.0, 1.0, 0.0, 1.0), 100)
+    points = np.array([[0.2, 0.2, -0.5], [0.2, 0.2, 0.5], [0.5, 0.5, -0.5]], np.float32)
+    np.testing.assert_array_equal(depth.hides(points), [True, False, True])
+    assert not depth.hides(sheet).any()
+    free, deep = depth.openness(np.array([[0.2, 0.2, 0.0], [0.5, 0.5, -0.03]], np.float32))
+    assert free == pytest.approx(1.0, abs=0.01)
+    assert deep < 0.8
