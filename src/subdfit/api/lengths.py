@@ -35,7 +35,9 @@ def parse_length(given: float | str | None, name: str) -> Length | None:
     except ValueError:
         value = math.nan
     if isinstance(given, bool) or not (math.isfinite(value) and value > 0):
-        raise InputError(f"{name} is '{given}'; give a positive length such as 0.2, or a share of the diagonal such as 0.05%")
+        raise InputError(
+            f"{name} is '{given}'; give a positive length such as 0.2, or a share of the diagonal such as 0.05%"
+        )
     return Length(value / 100 if relative else value, relative)
 
 

@@ -58,9 +58,22 @@ def _best_ear(points: Floats, rows: Rows, normals: Floats, taken: Rows) -> Rows:
     length = np.linalg.norm(c - a, axis=2)
     turned = np.einsum("mkd,md->mk", np.cross(b - a, c - b), normals) <= 0
     edge = np.isin(_keys(np.stack([before, after], axis=2), len(points)), taken)
-    order = np.lexsort((length, turned, edge), axis=1)
+    order = np.lexsort((length, turned | _covers_corner(a, b, c, normals), edge), axis=1)
     best: Rows = order[:, 0]
     return best
+
+
+def _covers_corner(a: Floats, b: Floats, c: Floats, normals: Floats) -> NDArray[np.bool_]:
+    """Whether another corner lies inside each ear (m, k), seen along the normal; b are the polygons' corners."""
+    inside = np.ones((*b.shape[:2], b.shape[1]), np.bool_)
+    for start, end in ((a, b), (b, c), (c, a)):
+        inward = np.cross(normals[:, None], end - start)
+        offset = np.einsum("mkd,mkd->mk", inward, start)
+        inside &= np.einsum("mkd,mjd->mkj", inward, b) > offset[..., None]
+    corners = np.arange(b.shape[1])
+    for shift in (-1, 0, 1):
+        inside[:, corners, (corners + shift) % len(corners)] = False
+    return inside.any(axis=2)
 
 
 def _newell(corners: Floats) -> Floats:

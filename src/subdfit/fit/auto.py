@@ -9,7 +9,7 @@ from subdfit.fit.adapt import close_editor, face_maxima, longest_sides, open_edi
 from subdfit.fit.reverse import Strays, strays
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
-from subdfit.fit.stop import CURVE_FACTOR, within
+from subdfit.fit.stop import CURVE_FACTOR, error_that_matters, within
 from subdfit.fit.system import Rows
 from subdfit.fit.tangent import TangentSettings, merit, reverse_rows, tangent_step
 
@@ -20,6 +20,8 @@ CAP = 0.25
 FROZEN = 0.002
 """When fewer faces than this share are too far off, connectivity is left alone."""
 DAMPING_RANGE = (1e-6, 1e3)
+STRAY_WEIGHT = 10.0
+"""Weight of a sample of the surface that strayed, against a data point."""
 
 
 class Auto:
@@ -30,7 +32,7 @@ class Auto:
         self.weights = weights or TangentSettings()
         self._damping = self.weights.damping
         self._steps = 0
-        self._reverse_weight = 1.0
+        self._watched: Strays | None = None
 
     def advance(self, state: FitState) -> FitState:
         """One step, kept if the true error falls; every `STEPS` steps the control mesh is adapted first."""
@@ -40,7 +42,8 @@ class Auto:
         self._steps += 1
         extra = self._stray_rows(state)
         before = merit(state, self.weights)
-        points = tangent_step(state, self.weights, self._damping, extra, self.settings.fixed_boundary)
+        bound = error_that_matters(self.settings.tolerance)
+        points = tangent_step(state, self.weights, self._damping, bound, extra, self.settings.fixed_boundary)
         moved = state.moved(points)
         low, high = DAMPING_RANGE
         # Strays are no data: what draws them back may cost the data a little.
@@ -68,6 +71,7 @@ class Auto:
             region = editor.touched()
             editor.regularise_connectivity(region)
             editor.improve_angles(region, max_rise=0)
+        self._watched = None
         return close_editor(editor, state)
 
     def _strays(self, state: FitState) -> Strays | None:
@@ -78,12 +82,15 @@ class Auto:
         return strays(state, 0.9 * bound)
 
     def _stray_rows(self, state: FitState) -> list[Rows]:
-        """Pull strays back, harder each time that some are left."""
+        """Pull strays back; once seen they are watched until the connectivity changes."""
         found = self._strays(state)
-        if found is None or len(found) == 0:
+        if found is not None and len(found):
+            self._watched = found if self._watched is None else self._watched.joined(found)
+        if self._watched is None:
             return []
-        self._reverse_weight = min(2 * self._reverse_weight, 64.0)
-        return [reverse_rows(state, self.weights, found.face, found.uv, found.gap, self._reverse_weight)]
+        self._watched = self._watched.follow(state)
+        w = self._watched
+        return [reverse_rows(state, self.weights, w.face, w.uv, w.gap, np.full(len(w), STRAY_WEIGHT))]
 
     def _stray_faces(self, state: FitState) -> NDArray[np.int64]:
         found = self._strays(state)

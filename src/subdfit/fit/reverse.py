@@ -31,6 +31,20 @@ class Strays:
         return len(self.face)
 
 
+    def joined(self, other: "Strays") -> "Strays":
+        """Both, each sample once."""
+        face = np.concatenate([self.face, other.face])
+        uv, gap = np.concatenate([self.uv, other.uv]), np.concatenate([self.gap, other.gap])
+        _, first = np.unique(np.column_stack([face, uv]), axis=0, return_index=True)
+        return Strays(face[first], uv[first], gap[first])
+
+    def follow(self, state: FitState) -> "Strays":
+        """The same samples on another surface of the same connectivity."""
+        position = state.surface.evaluate(self.face, self.uv).position
+        found = state.data.target.tree.closest(position)
+        return Strays(self.face, self.uv, state.data.target.on_triangles(found.triangle, found.uv) - position)
+
+
 def strays(state: FitState, bound: float) -> Strays:
     """Find the samples that lie farther from the target than `bound` and the sagitta of the face they meet.
 

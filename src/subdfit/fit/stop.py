@@ -23,8 +23,7 @@ def badness(state: FitState, tolerance: Tolerance) -> float:
     return max((value / bound for bound, value in asked if bound), default=errors.max)
 
 
-def face_bound(tolerance: Tolerance, state: FitState) -> float:
-    """Error above which a face is refined, also where only a mean or rms is asked: three times that."""
-    candidates = [tolerance.max]
-    candidates += [3 * bound for bound in (tolerance.rms, tolerance.mean) if bound is not None]
-    return min(bound for bound in candidates if bound is not None) if any(c is not None for c in candidates) else 0.0
+def error_that_matters(tolerance: Tolerance) -> float:
+    """The scale of errors, as a share of the diagonal: the maximum asked, or three times the mean or rms."""
+    bounds = [tolerance.max] + [3 * bound for bound in (tolerance.rms, tolerance.mean) if bound is not None]
+    return min((bound for bound in bounds if bound is not None), default=1e-3)

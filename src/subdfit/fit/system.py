@@ -16,8 +16,8 @@ from subdfit.parallel import map_chunks
 
 Floats = NDArray[np.float64]
 
-PARTS = 4
-"""Every sum over rows is taken in this many parts, whatever the number of threads."""
+PART = 24576
+"""Rows whose sum is taken at one go; parts are added in their order, whatever the number of threads."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,8 +63,25 @@ class Rows:
             job(start, stop, out)
             return out
 
-        parts = map_chunks(part, count, max(1, -(-count // PARTS)))
-        return sum(parts[1:], parts[0]) if parts else np.zeros(shape)
+        # At most four parts: each needs room for all points.
+        parts = map_chunks(part, count, max(PART, -(-count // 4)))
+        total = parts[0] if parts else np.zeros(shape)
+        for other in parts[1:]:
+            total += other
+        return total
+
+    @classmethod
+    def joined(cls, terms: "list[Rows]") -> "Rows":
+        """All rows of several terms as one."""
+        ends = np.cumsum([0, *(term.offsets[-1] for term in terms)])
+        offsets = [np.zeros(1, np.int64), *(term.offsets[1:] + end for term, end in zip(terms, ends, strict=False))]
+        return cls(
+            np.concatenate(offsets),
+            np.concatenate([term.columns for term in terms]),
+            np.concatenate([term.values for term in terms]),
+            np.concatenate([term.metric for term in terms]),
+            np.concatenate([term.residual for term in terms]),
+        )
 
 
 class System:
@@ -79,12 +96,12 @@ class System:
         relaxation: float,
         fixed_boundary: bool = False,
     ) -> None:
-        self.rows = rows
+        self.rows = Rows.joined(rows)
         self._local = surface.compiled.local_matrix
         self._local_t = surface.compiled.local_matrix_transposed
         self._points = surface.compiled.table.point_matrix.shape[0]
         self._count = surface.topology.vertex_count
-        lumped = sum((self._to_control(r.transposed(r.metric, self._points)) for r in rows), np.zeros((self._count, 6)))
+        lumped = self._to_control(self.rows.transposed(self.rows.metric, self._points))
         trace = lumped[:, [0, 3, 5]].sum(axis=1)
         mean = float(trace.mean()) / 3
         self._damping = damping * trace[:, None] / 3 + 1e-9 * mean
@@ -112,9 +129,7 @@ class System:
     def product(self, x: Floats) -> Floats:
         """The system's matrix times (n, 3)."""
         everywhere = np.concatenate([x, self._local @ x])
-        out = self._damping * x
-        for rows in self.rows:
-            out += self._to_control(rows.product(everywhere))
+        out = self._damping * x + self._to_control(self.rows.product(everywhere))
         bent = self._laplacian @ x
         out += self._laplacian.T @ (self._fairness * bent + self._relaxation * self._along(bent))
         return out
@@ -126,17 +141,15 @@ class System:
 
     def right_side(self) -> Floats:
         """W^T D e of all terms."""
-        out = np.zeros((self._count, 3))
-        for rows in self.rows:
-            m, e = rows.metric, rows.residual
-            vectors = np.column_stack(
-                [
-                    m[:, 0] * e[:, 0] + m[:, 1] * e[:, 1] + m[:, 2] * e[:, 2],
-                    m[:, 1] * e[:, 0] + m[:, 3] * e[:, 1] + m[:, 4] * e[:, 2],
-                    m[:, 2] * e[:, 0] + m[:, 4] * e[:, 1] + m[:, 5] * e[:, 2],
-                ]
-            )
-            out += self._to_control(rows.transposed(vectors, self._points))
+        m, e = self.rows.metric, self.rows.residual
+        vectors = np.column_stack(
+            [
+                m[:, 0] * e[:, 0] + m[:, 1] * e[:, 1] + m[:, 2] * e[:, 2],
+                m[:, 1] * e[:, 0] + m[:, 3] * e[:, 1] + m[:, 4] * e[:, 2],
+                m[:, 2] * e[:, 0] + m[:, 4] * e[:, 1] + m[:, 5] * e[:, 2],
+            ]
+        )
+        out = self._to_control(self.rows.transposed(vectors, self._points))
         out -= self._relaxation * (self._laplacian.T @ self._along(self._laplacian @ self._control))
         return out
 

@@ -17,10 +17,11 @@ from subdfit.fit.system import Rows, System
 
 Floats = NDArray[np.float64]
 
-REVERSE_UV = np.array([[1 / 3, 1 / 3], [1 / 6, 1 / 6], [2 / 3, 1 / 6], [1 / 6, 2 / 3]])
+REVERSE_UV = np.array([[1 / 6, 1 / 6], [2 / 3, 1 / 6], [1 / 6, 2 / 3]])
 """Where a face with few data points is sampled."""
 SPARSE = 3
 """Faces with fewer data points than this are sampled."""
+MOST_PULL = 30.0
 
 
 @dataclass(frozen=True)
@@ -47,13 +48,19 @@ class TangentSettings:
 
 
 def tangent_step(
-    state: FitState, settings: TangentSettings, damping: float, extra: list[Rows], fixed_boundary: bool = False
+    state: FitState,
+    settings: TangentSettings,
+    damping: float,
+    bound: float,
+    extra: list[Rows],
+    fixed_boundary: bool = False,
 ) -> Floats:
     """Control points after one damped step from `state`, (n, 3).
 
-    `extra` terms are added to those of the data; with `fixed_boundary` the vertices on the boundary stay.
+    `bound` is the error that matters; `extra` terms are added to those of the data; with `fixed_boundary` the vertices
+    on the boundary stay.
     """
-    rows = [surface_rows(state, settings), *curve_rows(state, settings), *sparse_rows(state, settings), *extra]
+    rows = [surface_rows(state, settings), *curve_rows(state, settings), *sparse_rows(state, settings, bound), *extra]
     system = System(state.surface, rows, damping, settings.fairness, settings.relaxation, fixed_boundary)
     return state.surface.control_mesh.points + system.solve()
 
@@ -82,8 +89,11 @@ def curve_rows(state: FitState, settings: TangentSettings) -> list[Rows]:
     return found
 
 
-def sparse_rows(state: FitState, settings: TangentSettings) -> list[Rows]:
-    """Rows that draw faces with few data points to the target: nothing else keeps them there, as beyond a sharp ridge."""
+def sparse_rows(state: FitState, settings: TangentSettings, bound: float) -> list[Rows]:
+    """Rows that draw faces with few data points to the target: nothing else keeps them there, as beyond a sharp ridge.
+
+    Gaps larger than `bound` weigh more, by their square, up to `MOST_PULL` times.
+    """
     target = state.data.target
     if not target.is_mesh or settings.reverse_weight == 0:
         return []
@@ -95,11 +105,12 @@ def sparse_rows(state: FitState, settings: TangentSettings) -> list[Rows]:
     position = state.surface.evaluate(face, uv).position
     found = target.tree.closest(position)
     gap = target.on_triangles(found.triangle, found.uv) - position
-    return [reverse_rows(state, settings, face, uv, gap, settings.reverse_weight)]
+    pull = np.clip((found.distance / bound) ** 2, 1.0, MOST_PULL)
+    return [reverse_rows(state, settings, face, uv, gap, settings.reverse_weight * pull)]
 
 
 def reverse_rows(
-    state: FitState, settings: TangentSettings, face: NDArray[np.int32], uv: Floats, gap: Floats, weight: float
+    state: FitState, settings: TangentSettings, face: NDArray[np.int32], uv: Floats, gap: Floats, weight: Floats
 ) -> Rows:
     """Rows that draw samples of the surface along their `gap`, which is the gradient of the distance to the target."""
     length = np.linalg.norm(gap, axis=1, keepdims=True)
@@ -108,11 +119,11 @@ def reverse_rows(
     return Rows(*state.surface.patch_weights(face, uv), metric, gap)
 
 
-def _direction_metric(d: Floats, along: float, across: float) -> Floats:
-    """Quadratic forms ``along`` d d^T + ``along across`` (I - d d^T) of unit vectors, (k, 6)."""
-    factor = along * (1 - across)
-    metric = factor * np.column_stack([d[:, :1] * d, d[:, 1:2] * d[:, 1:], d[:, 2:] * d[:, 2:]])
-    metric[:, [0, 3, 5]] += along * across
+def _direction_metric(d: Floats, along: Floats | float, across: float) -> Floats:
+    """Quadratic forms ``along`` d d^T + ``along across`` (I - d d^T) of unit vectors d (k, 3), as (k, 6)."""
+    weight = np.broadcast_to(along, len(d))[:, None]
+    metric = weight * (1 - across) * np.column_stack([d[:, :1] * d, d[:, 1:2] * d[:, 1:], d[:, 2:] * d[:, 2:]])
+    metric[:, [0, 3, 5]] += weight * across
     return metric
 
 

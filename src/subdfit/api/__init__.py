@@ -1,0 +1,26 @@
+"""What users of the library call: each function composes the rooms below and adds nothing of its own."""
+
+from subdfit.api.cages import control_mesh_of
+from subdfit.api.files import read, write
+from subdfit.api.fitting import fit
+from subdfit.api.measuring import Comparison, compare, measure
+from subdfit.api.pictures import history_picture, picture
+from subdfit.api.result import FitResult
+from subdfit.api.subdividing import subdivide
+from subdfit.api.surface import LimitSurface, Tessellation
+
+__all__ = [
+    "Comparison",
+    "FitResult",
+    "LimitSurface",
+    "Tessellation",
+    "compare",
+    "control_mesh_of",
+    "fit",
+    "history_picture",
+    "measure",
+    "picture",
+    "read",
+    "subdivide",
+    "write",
+]

@@ -1,0 +1,165 @@
+"""`subdfit.fit`: from whatever the caller has to a certified control mesh."""
+
+import time
+from collections.abc import Callable
+from typing import Any, Literal
+
+from subdfit.api.lengths import Length, parse_bytes, parse_length
+from subdfit.api.result import FitResult
+from subdfit.api.sources import MeshSource
+from subdfit.api.targets import Preparation, check_count, prepare, stages
+from subdfit.api.workers import workers
+from subdfit.compiled import compile_clock
+from subdfit.errors import InputError
+from subdfit.fit import METHODS, FitSettings, Progress, fit_target
+from subdfit.measure import Tolerance
+from subdfit.schemes import scheme_named
+
+DEFAULT_MAX_ERROR = "0.1%"
+
+
+def fit(
+    target: MeshSource,
+    *,
+    scheme: str = "loop",
+    method: str = "auto",
+    max_error: float | str | None = None,
+    rms_error: float | str | None = None,
+    mean_error: float | str | None = None,
+    control_vertices: int | None = None,
+    max_control_vertices: int | None = None,
+    creases: Literal["auto", "none"] | float = "auto",
+    boundary: Literal["fit", "fixed"] = "fit",
+    repair: bool = False,
+    keep_components: int | None = None,
+    fill_holes: int | None = None,
+    progress: Callable[[Progress], None] | None = None,
+    unit: str | None = None,
+    seed: int = 0,
+    threads: int | None = None,
+    memory: int | str | None = None,
+) -> FitResult:
+    """Fit a control mesh whose limit surface lies within a tolerance of the target.
+
+    Parameters
+    ----------
+    target
+        A path, ``(vertices, faces)`` arrays, an array of points, a trimesh or a PyVista object, `MeshData` or a
+        `ControlMesh`. Polygons are cut into triangles.
+    scheme
+        Subdivision scheme.
+    method
+        ``auto`` (tangent distances, the best) or ``geometric`` (Nishiyama et al. 2008).
+    max_error, rms_error, mean_error
+        Tolerances, all of which must hold: a number is a length in the target's unit, a string such as ``"0.05%"`` a
+        share of its diagonal. Where none is given, `max_error` is 0.1 %.
+    control_vertices
+        Vertices to start from; None chooses from the tolerance.
+    max_control_vertices
+        Budget, at which the best is returned; None is unbounded.
+    creases
+        ``auto`` takes the creases that the file tags, else edges that are surely sharp; ``none``; or an angle in
+        degrees above which an edge is a crease.
+    boundary
+        ``fit`` moves boundary control vertices by boundary data; ``fixed`` leaves them where they start.
+    repair
+        Cut apart edges with more than two faces and surfaces that cannot be oriented, instead of refusing them.
+    keep_components
+        Keep so many of the largest components.
+    fill_holes
+        Close holes of at most so many edges.
+    progress
+        Called after every iteration with a `Progress`, whose control mesh is usable as it is.
+    unit
+        The unit's name, for messages.
+    seed
+        Of random numbers; today's methods draw none.
+    threads
+        Threads to use; None takes one a core. The result does not depend on it.
+    memory
+        Bytes, or a string such as ``"2G"``: refuse at once what would need more, with an estimate.
+
+    Returns
+    -------
+    FitResult
+        Whether the tolerance was reached is in its `status`. Ctrl-C returns the best so far as ``interrupted``.
+
+    Raises
+    ------
+    InputError
+        The target or an option cannot be used; the text says why, and what to do.
+    KeyboardInterrupt
+        Ctrl-C before there was a first control mesh.
+
+    Examples
+    --------
+    >>> result = subdfit.fit("bunny.ply", max_error="0.05%")  # doctest: +SKIP
+    >>> subdfit.write("bunny_cage.obj", result.control_mesh)  # doctest: +SKIP
+    """
+    lengths = tolerances(max_error, rms_error, mean_error)
+    if not any(lengths.values()):
+        lengths["max"] = parse_length(DEFAULT_MAX_ERROR, "max_error")
+    how = Preparation(creases, repair, keep_components, fill_holes, parse_bytes(memory))
+    _check(scheme, method, boundary, control_vertices, max_control_vertices, seed)
+    begun, compiled = time.perf_counter(), compile_clock.seconds
+    with workers(threads):
+        ready = prepare(target, how)
+        stages.info("first control mesh")
+        settings = FitSettings(
+            scheme=scheme,
+            method=method,
+            tolerance=shares(lengths, ready.target.diagonal),
+            control_vertices=control_vertices,
+            max_control_vertices=max_control_vertices,
+            fixed_boundary=boundary == "fixed",
+        )
+        found = fit_target(ready.target, settings, progress, unit)
+    seconds = ready.seconds | found.seconds | elapsed(begun, compiled)
+    asked: dict[str, Any] = {
+        "creases": how.creases,
+        "boundary": boundary,
+        "repair": repair,
+        "keep_components": keep_components,
+        "fill_holes": fill_holes,
+        "seed": seed,
+        "threads": threads,
+        "memory": how.memory,
+    }
+    return FitResult.of(found, ready.target, asked, seconds)
+
+
+def tolerances(
+    max_error: float | str | None, rms_error: float | str | None, mean_error: float | str | None
+) -> dict[str, Length | None]:
+    """Read the three tolerances; raises InputError."""
+    given = {"max": max_error, "rms": rms_error, "mean": mean_error}
+    return {key: parse_length(value, f"{key}_error") for key, value in given.items()}
+
+
+def shares(lengths: dict[str, Length | None], diagonal: float) -> Tolerance:
+    """Tolerances as shares of a diagonal."""
+    return Tolerance(**{key: length and length.share(diagonal) for key, length in lengths.items()})
+
+
+def elapsed(begun: float, compiled: float) -> dict[str, float]:
+    """Seconds since a start, compiling apart."""
+    compiling = compile_clock.seconds - compiled
+    return {"compile": compiling, "total": time.perf_counter() - begun - compiling}
+
+
+def _check(
+    scheme: str, method: str, boundary: str, control_vertices: int | None, budget: int | None, seed: int
+) -> None:
+    """Raise InputError for options that cannot be, before any work is done."""
+    scheme_named(scheme)
+    if method not in METHODS:
+        raise InputError(f"unknown method '{method}'; choose one of {', '.join(METHODS)}")
+    if boundary not in ("fit", "fixed"):
+        raise InputError(f"boundary is '{boundary}'; choose fit or fixed")
+    check_count(control_vertices, "control_vertices", 4)
+    check_count(budget, "max_control_vertices", 4)
+    check_count(seed, "seed", 0)
+    if control_vertices and budget and control_vertices > budget:
+        raise InputError(
+            f"control_vertices is {control_vertices} and max_control_vertices {budget}; start with no more than that"
+        )

@@ -1,0 +1,47 @@
+"""`subdfit.subdivide`: a control mesh refined."""
+
+from subdfit.api.cages import control_mesh_of
+from subdfit.api.sources import MeshSource
+from subdfit.api.targets import check_count
+from subdfit.errors import InputError
+from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.schemes import scheme_named
+
+MOST_FACES = 100_000_000
+
+
+def subdivide(
+    mesh: ControlMesh | MeshSource, levels: int, scheme: str | None = None, *, limit: bool = False
+) -> ControlMesh:
+    """Refine a control mesh; creases and corners go with it.
+
+    Parameters
+    ----------
+    mesh
+        A `ControlMesh`, or a path or object that holds one.
+    levels
+        How many times; 0 gives the mesh itself.
+    scheme
+        Overrides the mesh's own; None takes that, else Loop for triangles.
+    limit
+        Put the refined vertices on the limit surface. The result is then no control mesh of that surface any more, and
+        names no scheme.
+
+    Raises
+    ------
+    InputError
+        The mesh cannot be read or refined, or would become too large.
+    """
+    check_count(levels, "levels", 0)
+    control = control_mesh_of(mesh, scheme)
+    rules = scheme_named(control.scheme or "loop")
+    rules.validate(control.topology)
+    if control.topology.face_count * 4**levels > MOST_FACES:
+        raise InputError(f"{levels} levels would make more than {MOST_FACES:,} faces; ask for fewer")
+    topology, points = control.topology, control.points
+    for _ in range(levels):
+        step = rules.refine(topology)
+        topology, points = step.child, step.matrix @ points
+    if limit:
+        return ControlMesh(topology, rules.limit_rows(topology) @ points)
+    return ControlMesh(topology, points, rules.name)

@@ -1,0 +1,117 @@
+"""The limit surface as callers meet it: evaluated, searched and tessellated in their own unit."""
+
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from subdfit.api.cages import control_mesh_of
+from subdfit.api.sources import MeshSource
+from subdfit.api.targets import check_count
+from subdfit.closest.projection import Projection, Projector
+from subdfit.errors import InputError
+from subdfit.limit import surface as limit
+from subdfit.limit.tessellate import lattice
+from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.schemes import Scheme
+from subdfit.target.frame import Frame
+
+Floats = NDArray[np.float64]
+
+
+class Tessellation(NamedTuple):
+    """Triangles on a limit surface.
+
+    Attributes
+    ----------
+    points : (n, 3) float64, on the surface, in the control points' unit.
+    triangles : (t, 3) int32, rows of `points`, oriented as the control mesh.
+    normals : (n, 3) float64, the surface's unit normals; on a crease those of one side.
+    """
+
+    points: Floats
+    triangles: NDArray[np.int32]
+    normals: Floats
+
+
+class LimitSurface(limit.LimitSurface):
+    """The limit surface of a control mesh.
+
+    Parameters
+    ----------
+    control_mesh
+        A `ControlMesh`, or anything one is made of: a path, ``(vertices, faces)``, a trimesh or PyVista object.
+    scheme
+        A scheme's name; None takes the mesh's own, else Loop.
+
+    Raises
+    ------
+    InputError
+        The mesh cannot be read, or the scheme cannot take it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> octahedron = (
+    ...     np.vstack([np.eye(3), -np.eye(3)]),
+    ...     [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]],
+    ... )
+    >>> surface = LimitSurface(octahedron)
+    >>> found = surface.closest([[2.0, 0.0, 0.0]])
+    >>> surface.evaluate(found.face, found.uv).position.round(4)
+    array([[0.5217, 0.    , 0.    ]])
+    """
+
+    def __init__(self, control_mesh: ControlMesh | MeshSource, scheme: str | Scheme | None = None) -> None:
+        name = scheme if scheme is None or isinstance(scheme, str) else scheme.name
+        super().__init__(control_mesh_of(control_mesh, name), scheme)
+
+    def closest(self, points: ArrayLike) -> Projection:
+        """Find the nearest point of the surface to each given point, globally.
+
+        Parameters
+        ----------
+        points
+            (k, 3), in the control points' unit.
+
+        Returns
+        -------
+        Projection
+            Faces, parameters, and distances in the control points' unit.
+
+        Raises
+        ------
+        InputError
+            Another shape, or a coordinate that is not finite.
+        """
+        data = np.asarray(points, np.float64)
+        if data.ndim != 2 or data.shape[1] != 3 or not np.isfinite(data).all():
+            raise InputError(f"closest needs finite points of shape (k, 3); got an array of shape {data.shape}")
+        frame = self._frame
+        found = self._projector.certain(frame.inside(data))
+        return Projection(found.face, found.uv, found.distance * frame.diagonal, found.converged)
+
+    def tessellate(self, level: int) -> Tessellation:
+        """Cut every face into ``4**level`` triangles whose vertices lie on the surface.
+
+        Raises
+        ------
+        InputError
+            `level` is no whole number from 0 to 8.
+        """
+        check_count(level, "level", 0)
+        if level > 8:
+            raise InputError(f"level is {level}, which would make {4**level:,} triangles a face; give 8 or less")
+        grid = lattice(self.domain, 2**level)
+        points = self.evaluate(grid.face, grid.uv).position
+        return Tessellation(points, grid.triangles, self.normals(grid.face, grid.uv))
+
+    @cached_property
+    def _frame(self) -> Frame:
+        return Frame.of(self.control_mesh.points)
+
+    @cached_property
+    def _projector(self) -> Projector:
+        """Search in normalised coordinates, in which a surface far from the origin loses nothing."""
+        return Projector(self.with_points(self._frame.inside(self.control_mesh.points)))

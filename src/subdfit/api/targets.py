@@ -1,0 +1,131 @@
+"""From whatever the caller has to a target that can be fitted: read, mended, cut down, closed, its creases known."""
+
+import logging
+import math
+import time
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subdfit.api.memory import check_memory
+from subdfit.api.sources import MeshSource, source_of
+from subdfit.api.triangulate import triangles_of
+from subdfit.errors import InputError
+from subdfit.initial.components import keep_components
+from subdfit.initial.holes import fill_holes
+from subdfit.mesh.data import MeshData
+from subdfit.mesh.repair import mend
+from subdfit.target.target import Creases, Target, mesh_target, point_target
+
+logger = logging.getLogger(__name__)
+stages = logging.getLogger("subdfit.api.stages")
+
+
+@dataclass(frozen=True)
+class Preparation:
+    """How a target is made ready; the attributes are the arguments of `subdfit.fit`.
+
+    Attributes
+    ----------
+    creases : ``auto`` takes the creases that the file tags, else edges that are surely sharp; ``none``; or degrees.
+    repair, keep_components, fill_holes : what may be changed; None leaves all components and holes.
+    memory : bytes, or None.
+    """
+
+    creases: Creases = "auto"
+    repair: bool = False
+    keep_components: int | None = None
+    fill_holes: int | None = None
+    memory: int | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "creases", _creases(self.creases))
+        for name, least in (("keep_components", 1), ("fill_holes", 3)):
+            check_count(getattr(self, name), name, least)
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A target made ready.
+
+    Attributes
+    ----------
+    target : in the caller's unit.
+    name : what messages call it.
+    seconds : by stage, compiling included.
+    """
+
+    target: Target
+    name: str
+    seconds: dict[str, float] = field(default_factory=dict)
+
+
+def check_count(given: int | None, name: str, least: int) -> None:
+    """Raise InputError unless an option is None or a whole number from `least` on."""
+    if given is not None and (isinstance(given, bool) or not isinstance(given, int | np.integer) or given < least):
+        raise InputError(f"{name} is {given!r}; give a whole number, {least} or more")
+
+
+def prepare(given: MeshSource, how: Preparation) -> Prepared:
+    """Make a target ready for fitting or measuring.
+
+    Raises
+    ------
+    InputError
+        The data cannot be read, mended or used, or the work would need more memory than allowed.
+    """
+    clock = time.perf_counter()
+    stages.info("reading")
+    data, name = source_of(given)
+    read = time.perf_counter() - clock
+    check_memory(len(data.points), len(data.face_vertices), how.memory, name)
+    clock = time.perf_counter()
+    stages.info("mending")
+    mended = mend(data, repair=how.repair, name=name).data
+    target = _mesh(mended, how, name) if mended.face_count else _cloud(mended, how, name)
+    return Prepared(target, name, {"read": read, "prepare": time.perf_counter() - clock})
+
+
+def _cloud(data: MeshData, how: Preparation, name: str) -> Target:
+    if how.keep_components is not None or how.fill_holes is not None:
+        raise InputError(f"{name}: has points only, and so no components or holes; leave these options out")
+    return point_target(data.points, data.normals)
+
+
+def _mesh(data: MeshData, how: Preparation, name: str) -> Target:
+    points, triangles = data.points, triangles_of(data)
+    rows = np.arange(len(points))
+    if how.keep_components is not None:
+        kept = keep_components(points, triangles, how.keep_components)
+        rows = kept.point_rows
+        points, triangles = kept.points, kept.triangles
+        stays = min(how.keep_components, kept.component_count)
+        logger.info("%s: kept %d of %d components", name, stays, kept.component_count)
+    if how.fill_holes is not None:
+        filled = fill_holes(points, triangles, how.fill_holes)
+        points, triangles = filled.points, filled.triangles
+        logger.info("%s: closed %d holes, left %d boundary loops open", name, filled.filled, filled.left)
+    tagged = _tagged_creases(data, rows) if how.creases == "auto" else np.empty((0, 2), np.int64)
+    target = mesh_target(points, triangles, creases="none" if len(tagged) else how.creases)
+    return replace(target, crease_edges=tagged) if len(tagged) else target
+
+
+def _tagged_creases(data: MeshData, rows: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The creases that the data themselves name, as rows of the points that stay."""
+    place = np.full(len(data.points), -1, np.int64)
+    place[rows] = np.arange(len(rows))
+    ends = np.sort(place[data.crease_edges[data.crease_sharpness > 0]], axis=1)
+    return np.unique(ends[ends[:, 0] >= 0], axis=0)
+
+
+def _creases(given: Creases | str) -> Creases:
+    if given in ("auto", "none"):
+        return given  # type: ignore[return-value]
+    try:
+        angle = math.nan if isinstance(given, bool) else float(given)
+    except (TypeError, ValueError):
+        angle = math.nan
+    if not 0 < angle < 180:
+        raise InputError(f"creases is '{given}'; give auto, none, or an angle between 0 and 180 degrees")
+    return angle
