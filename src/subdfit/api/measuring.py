@@ -7,6 +7,7 @@ from typing import Any, Literal
 from subdfit.api.cages import control_mesh_of
 from subdfit.api.fitting import elapsed, shares, tolerances
 from subdfit.api.lengths import parse_bytes
+from subdfit.api.result import tolerance_dict
 from subdfit.api.sources import MeshSource
 from subdfit.api.targets import Preparation, prepare, stages
 from subdfit.api.workers import workers
@@ -71,7 +72,7 @@ class Comparison:
             "unit": self.unit,
             "errors": errors_dict(self.measurement),
             "seconds": self.seconds,
-            "settings": {"tolerance": asdict(self.tolerance), **self.asked},
+            "settings": tolerance_dict(asdict(self.tolerance)) | self.asked,
             "version": __version__,
         }
 
@@ -143,8 +144,7 @@ def compare(
     """Measure as `measure` does, and judge by tolerances; arguments as for `subdfit.fit`."""
     lengths = tolerances(max_error, rms_error, mean_error)
     how = Preparation(creases, repair, keep_components, fill_holes, parse_bytes(memory))
-    asked = {"scheme": scheme, "max_error": max_error, "rms_error": rms_error, "mean_error": mean_error}
-    asked |= asdict(how) | {"threads": threads}
+    asked = {"scheme": scheme, **asdict(how), "threads": threads}
     begun, compiled = time.perf_counter(), compile_clock.seconds
     with workers(threads):
         stages.info("reading")

@@ -44,4 +44,10 @@ class FitResult(fit.FitResult):
     def to_dict(self) -> dict[str, Any]:
         """The object that ``--json`` writes; errors are shares of the diagonal."""
         document = super().to_dict()
-        return document | {"settings": document["settings"] | (self.asked or {})}
+        settings = document["settings"]
+        return document | {"settings": tolerance_dict(settings.pop("tolerance")) | settings | (self.asked or {})}
+
+
+def tolerance_dict(tolerance: dict[str, float | None]) -> dict[str, Any]:
+    """Tolerances under their options' names, as shares of the diagonal."""
+    return {f"{name}_error": share for name, share in tolerance.items()}

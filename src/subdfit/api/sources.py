@@ -23,7 +23,7 @@ class Source(NamedTuple):
     name: str
 
 
-def source_of(given: MeshSource) -> Source:
+def source_of(given: Any) -> Source:
     """Return the arrays of whatever was given.
 
     Parameters

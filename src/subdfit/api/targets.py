@@ -2,13 +2,14 @@
 
 import logging
 import math
+import os
 import time
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from subdfit.api.memory import check_memory
+from subdfit.api.memory import check_file, check_job
 from subdfit.api.sources import MeshSource, source_of
 from subdfit.api.triangulate import triangles_of
 from subdfit.errors import InputError
@@ -77,9 +78,11 @@ def prepare(given: MeshSource, how: Preparation) -> Prepared:
     """
     clock = time.perf_counter()
     stages.info("reading")
+    if isinstance(given, str | os.PathLike):
+        check_file(given, how.memory)
     data, name = source_of(given)
     read = time.perf_counter() - clock
-    check_memory(len(data.points), len(data.face_vertices), how.memory, name)
+    check_job(len(data.points), len(data.face_vertices), how.memory, name)
     clock = time.perf_counter()
     stages.info("mending")
     mended = mend(data, repair=how.repair, name=name).data
@@ -120,8 +123,10 @@ def _tagged_creases(data: MeshData, rows: NDArray[np.int64]) -> NDArray[np.int64
 
 
 def _creases(given: Creases | str) -> Creases:
-    if given in ("auto", "none"):
-        return given  # type: ignore[return-value]
+    if given == "auto":
+        return "auto"
+    if given == "none":
+        return "none"
     try:
         angle = math.nan if isinstance(given, bool) else float(given)
     except (TypeError, ValueError):

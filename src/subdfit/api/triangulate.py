@@ -35,13 +35,13 @@ def triangles_of(data: MeshData) -> Rows:
         normals = _newell(data.points[rows])
         while len(rows):
             ear = _best_ear(data.points, rows, normals, taken)
-            first = np.take_along_axis(rows, (ear[:, None] + [-1, 1]) % size, axis=1)
-            key = _keys(first, len(data.points))
+            ends = np.take_along_axis(rows, (ear[:, None] + np.array([-1, 1])) % size, axis=1)
+            key = _keys(ends, len(data.points))
             now = np.zeros(len(rows), np.bool_)
             now[np.unique(key, return_index=True)[1]] = True  # two faces must not take one diagonal at once
             taken = np.union1d(taken, key)
             corner = rows[now, ear[now]]
-            pieces.append(np.column_stack([first[now, 0], corner, first[now, 1]]))
+            pieces.append(np.column_stack([ends[now, 0], corner, ends[now, 1]]))
             left = rows[now][np.arange(size) != ear[now, None]].reshape(-1, size - 1)
             if size == 4:
                 pieces.append(left)
@@ -73,7 +73,7 @@ def _covers_corner(a: Floats, b: Floats, c: Floats, normals: Floats) -> NDArray[
     corners = np.arange(b.shape[1])
     for shift in (-1, 0, 1):
         inside[:, corners, (corners + shift) % len(corners)] = False
-    return inside.any(axis=2)
+    return np.asarray(inside.any(axis=2))
 
 
 def _newell(corners: Floats) -> Floats:

@@ -88,3 +88,10 @@ def longest_sides(state: FitState, faces: NDArray[np.int64]) -> NDArray[np.bool_
     marks = np.zeros((mesh.topology.face_count, 3), np.bool_)
     marks[faces, length.argmax(axis=1)] = True
     return marks
+
+
+def all_sides(state: FitState, faces: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Mark all sides of the given faces, (f, 3)."""
+    marks = np.zeros((state.surface.topology.face_count, 3), np.bool_)
+    marks[faces] = True
+    return marks

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from subdfit.fit.adapt import close_editor, face_maxima, longest_sides, open_editor, place_subdivided, side_marks
+from subdfit.fit.adapt import all_sides, close_editor, face_maxima, longest_sides, open_editor, place_subdivided, side_marks
 from subdfit.fit.reverse import Strays, strays
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
-from subdfit.fit.stop import CURVE_FACTOR, error_that_matters, within
+from subdfit.fit.stop import CURVE_FACTOR, badness, error_that_matters
 from subdfit.fit.system import Rows
 from subdfit.fit.tangent import TangentSettings, merit, reverse_rows, tangent_step
 
@@ -17,8 +17,11 @@ STEPS = 3
 """Steps between adaptations."""
 CAP = 0.25
 """Most faces, as a share, that one adaptation refines for their error."""
-FROZEN = 0.002
-"""When fewer faces than this share are too far off, connectivity is left alone."""
+FEW = 0.01
+"""When fewer faces than this share are too far off, they are split on all sides and no edge is flipped."""
+LATE_DAMPING = 1e-2
+NEARLY = 1.5
+"""Errors within this many tolerances are nearly there: the reverse side is looked at."""
 DAMPING_RANGE = (1e-6, 1e3)
 STRAY_WEIGHT = 10.0
 """Weight of a sample of the surface that strayed, against a data point."""
@@ -57,8 +60,11 @@ class Auto:
         """Refine where the error asks for it: the longest side of each bad face, and bad curve sides."""
         tolerance = self.settings.tolerance
         state = state.refreshed(tolerance.max or 0.0)
-        faces = self._stray_faces(state) if within(state, tolerance) else self._bad_faces(state)
-        marks = longest_sides(state, faces)
+        faces = self._bad_faces(state)
+        few = len(faces) <= FEW * state.surface.topology.face_count
+        if few:
+            faces = np.union1d(faces, self._stray_faces(state))
+        marks = all_sides(state, faces) if few else longest_sides(state, faces)
         if tolerance.max is not None and not self.settings.fixed_boundary:
             marks |= side_marks(state, CURVE_FACTOR * tolerance.max)
         marks = self._within_budget(state, marks, faces)
@@ -67,7 +73,9 @@ class Auto:
         editor = open_editor(state)
         editor.mark()
         place_subdivided(editor, editor.split_edges(marks), state)
-        if len(faces) > FROZEN * state.surface.topology.face_count:
+        if few:
+            self._damping = max(self._damping, LATE_DAMPING)
+        else:
             region = editor.touched()
             editor.regularise_connectivity(region)
             editor.improve_angles(region, max_rise=0)
@@ -75,9 +83,9 @@ class Auto:
         return close_editor(editor, state)
 
     def _strays(self, state: FitState) -> Strays | None:
-        """Samples of the surface that stray, once the data's side is within tolerance."""
+        """Samples of the surface that stray, once the data's side is nearly within tolerance."""
         bound = self.settings.tolerance.max
-        if bound is None or not within(state, self.settings.tolerance):
+        if bound is None or badness(state, self.settings.tolerance) > NEARLY:
             return None
         return strays(state, 0.9 * bound)
 

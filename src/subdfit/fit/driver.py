@@ -159,11 +159,11 @@ def _iterate(run: _Run, state: FitState) -> FitState:
     settings = run.settings
     fitter = METHODS[settings.method](settings)
     for _ in range(settings.max_iterations):
-        if within(state, settings.tolerance):
+        if within(state, settings.tolerance) and _reverse_within(state, settings):
             clock = time.perf_counter()
             state = state.verified()
             run.timed("verification", clock)
-            if within(state, settings.tolerance) and _reverse_within(state, settings):
+            if within(state, settings.tolerance):
                 return state
         state = fitter.advance(state)
         run.record("fit", state)

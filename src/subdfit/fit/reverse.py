@@ -19,7 +19,7 @@ class Strays:
     Attributes
     ----------
     face, uv : (k,) and (k, 2), where they lie.
-    gap : (k, 3), from the sample to the target.
+    gap : (k, 3), from the sample to the target, less what the target's faceting allows.
     """
 
     face: NDArray[np.int32]
@@ -40,9 +40,17 @@ class Strays:
 
     def follow(self, state: FitState) -> "Strays":
         """The same samples on another surface of the same connectivity."""
-        position = state.surface.evaluate(self.face, self.uv).position
-        found = state.data.target.tree.closest(position)
-        return Strays(self.face, self.uv, state.data.target.on_triangles(found.triangle, found.uv) - position)
+        return Strays(self.face, self.uv, gaps(state, self.face, self.uv))
+
+
+def gaps(state: FitState, face: NDArray[np.int32], uv: Floats) -> Floats:
+    """From samples of the surface to the target, (k, 3): what exceeds the sagitta of the target's face."""
+    target = state.data.target
+    position = state.surface.evaluate(face, uv).position
+    found = target.tree.closest(position)
+    beyond = np.maximum(found.distance - target.sagitta[found.triangle], 0.0)
+    share = np.divide(beyond, found.distance, out=np.zeros_like(beyond), where=found.distance > 0)
+    return share[:, None] * (target.on_triangles(found.triangle, found.uv) - position)
 
 
 def strays(state: FitState, bound: float) -> Strays:
@@ -50,12 +58,9 @@ def strays(state: FitState, bound: float) -> Strays:
 
     The samples are those of the certificate. A point cloud has no reverse side: none stray.
     """
-    target = state.data.target
-    if not target.is_mesh:
+    if not state.data.target.is_mesh:
         return Strays(np.empty(0, np.int32), np.empty((0, 2)), np.empty((0, 3)))
     grid = lattice(state.surface.domain, REVERSE_SEGMENTS)
-    position = state.surface.evaluate(grid.face, grid.uv).position
-    found = target.tree.closest(position)
-    far = np.flatnonzero(found.distance - target.sagitta[found.triangle] > bound)
-    gap = target.on_triangles(found.triangle[far], found.uv[far]) - position[far]
-    return Strays(grid.face[far], np.ascontiguousarray(grid.uv[far]), gap)
+    gap = gaps(state, grid.face, grid.uv)
+    far = np.flatnonzero(np.linalg.norm(gap, axis=1) > bound)
+    return Strays(grid.face[far], np.ascontiguousarray(grid.uv[far]), gap[far])

@@ -12,16 +12,18 @@ from numpy.typing import NDArray
 
 from subdfit.closest.curves import CurveProjection
 from subdfit.fit import _kernels as kernels
+from subdfit.fit.reverse import gaps
 from subdfit.fit.state import FitState
 from subdfit.fit.system import Rows, System
 
 Floats = NDArray[np.float64]
 
-REVERSE_UV = np.array([[1 / 6, 1 / 6], [2 / 3, 1 / 6], [1 / 6, 2 / 3]])
-"""Where a face with few data points is sampled."""
 SPARSE = 3
-"""Faces with fewer data points than this are sampled."""
-MOST_PULL = 30.0
+"""Faces with fewer data points than this are sampled, for nothing else keeps them near the target."""
+SPARSE_UV = np.array([[i / 3, j / 3] for j in range(4) for i in range(4 - j)])
+"""Where they are sampled: at their corners, sides and middle."""
+MOST_PULL = 300.0
+"""A sample far off weighs at most this many times one that is near."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +45,7 @@ class TangentSettings:
     curve_weight: float = 4.0
     fairness: float = 1e-3
     relaxation: float = 1e-3
-    reverse_weight: float = 0.1
+    reverse_weight: float = 0.03
     damping: float = 1e-3
 
 
@@ -90,22 +92,20 @@ def curve_rows(state: FitState, settings: TangentSettings) -> list[Rows]:
 
 
 def sparse_rows(state: FitState, settings: TangentSettings, bound: float) -> list[Rows]:
-    """Rows that draw faces with few data points to the target: nothing else keeps them there, as beyond a sharp ridge.
+    """Rows that draw faces with few data points to the target, as where they would run out beyond a sharp ridge.
 
-    Gaps larger than `bound` weigh more, by their square, up to `MOST_PULL` times.
+    The weight rises steeply, a barrier, from half of `bound` on, up to `MOST_PULL` times.
     """
-    target = state.data.target
-    if not target.is_mesh or settings.reverse_weight == 0:
+    if not state.data.target.is_mesh or settings.reverse_weight == 0:
         return []
     count = np.bincount(state.face, minlength=state.surface.domain.face_count)
     sparse = np.flatnonzero(count < SPARSE).astype(np.int32)
-    face, uv = np.repeat(sparse, len(REVERSE_UV)), np.tile(REVERSE_UV, (len(sparse), 1))
-    if len(face) == 0:
+    if len(sparse) == 0:
         return []
-    position = state.surface.evaluate(face, uv).position
-    found = target.tree.closest(position)
-    gap = target.on_triangles(found.triangle, found.uv) - position
-    pull = np.clip((found.distance / bound) ** 2, 1.0, MOST_PULL)
+    face, uv = np.repeat(sparse, len(SPARSE_UV)), np.tile(SPARSE_UV, (len(sparse), 1))
+    gap = gaps(state, face, uv)
+    beyond = np.linalg.norm(gap, axis=1)
+    pull = np.clip((2 * beyond / bound) ** 4, 1.0, MOST_PULL)
     return [reverse_rows(state, settings, face, uv, gap, settings.reverse_weight * pull)]
 
 
