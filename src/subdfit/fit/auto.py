@@ -30,6 +30,8 @@ STRAY_WEIGHT = 10.0
 class Auto:
     """Tangent-distance minimisation with Levenberg damping; adapts every few steps."""
 
+    two_sided = True
+
     def __init__(self, settings: FitSettings, weights: TangentSettings | None = None) -> None:
         self.settings = settings
         self.weights = weights or TangentSettings()

@@ -159,7 +159,7 @@ def _iterate(run: _Run, state: FitState) -> FitState:
     settings = run.settings
     fitter = METHODS[settings.method](settings)
     for _ in range(settings.max_iterations):
-        if within(state, settings.tolerance) and _reverse_within(state, settings):
+        if within(state, settings.tolerance) and (not fitter.two_sided or _reverse_within(state, settings)):
             clock = time.perf_counter()
             state = state.verified()
             run.timed("verification", clock)

@@ -6,7 +6,14 @@ from subdfit.fit.state import FitState
 
 
 class Fitter(Protocol):
-    """A fitting method; it holds what it must remember between iterations, the state holds everything else."""
+    """A fitting method; it holds what it must remember between iterations, the state holds everything else.
+
+    Attributes
+    ----------
+    two_sided : it also draws a surface that strays back to the target, so that iterating is worth while until none does.
+    """
+
+    two_sided: bool
 
     def advance(self, state: FitState) -> FitState:
         """One iteration: move the control points, adapting the control mesh first where that is due."""

@@ -27,6 +27,8 @@ SETTLED = 1e-4
 class Geometric:
     """Nishiyama's algorithm as printed; the boundary step, over-relaxation and momentum are ours and can be switched."""
 
+    two_sided = False
+
     def __init__(self, settings: FitSettings) -> None:
         self.settings = settings
         self._iteration = 0
