@@ -6,7 +6,7 @@ import trimesh
 import subdfit
 
 RADIUS = 5.0
-sphere = trimesh.creation.icosphere(subdivisions=4, radius=RADIUS)
+sphere = trimesh.creation.icosphere(subdivisions=5, radius=RADIUS)
 surface = subdfit.fit(sphere, max_error="0.02%").surface
 
 # A face of the control mesh and two parameters name a point: corners (0, 0), (1, 0), (0, 1).
@@ -22,7 +22,8 @@ normal = surface.normals(face, uv)
 outward = np.sum(normal * found.position, axis=1) / radius
 print(f"angle between normal and radius: at most {np.degrees(np.arccos(outward.min())):.2f} degrees")
 
-# Gaussian curvature from the two fundamental forms. Beside extraordinary vertices Loop's curvature is unbounded.
+# Gaussian curvature from the two fundamental forms. Towards vertices of valence 3, 7 and more it is unbounded: Loop's
+# scheme is like that, and so the median is the honest number here.
 tangent, bend = found.first, found.second
 first_form = np.einsum("kid,kjd->kij", tangent, tangent)
 second_form = np.einsum("kid,kd->ki", bend, normal)

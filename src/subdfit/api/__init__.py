@@ -6,6 +6,7 @@ from subdfit.api.fitting import fit
 from subdfit.api.measuring import Comparison, compare, measure
 from subdfit.api.pictures import history_picture, picture
 from subdfit.api.result import FitResult
+from subdfit.api.sources import mesh_data
 from subdfit.api.subdividing import subdivide
 from subdfit.api.surface import LimitSurface, Tessellation
 
@@ -19,6 +20,7 @@ __all__ = [
     "fit",
     "history_picture",
     "measure",
+    "mesh_data",
     "picture",
     "read",
     "subdivide",

@@ -104,6 +104,8 @@ def fit(
     begun, compiled = time.perf_counter(), compile_clock.seconds
     with workers(threads):
         ready = prepare(target, how)
+        if not ready.target.is_mesh:
+            raise InputError(f"{ready.name}: has points only; give a mesh with faces")
         stages.info("first control mesh")
         settings = FitSettings(
             scheme=scheme,

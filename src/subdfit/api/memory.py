@@ -1,7 +1,7 @@
 """How much memory a job will need, told before it begins.
 
-A job peaks twice: while a file is parsed, and while the footpoints of all data are searched on a control mesh that is about
-to be dense enough. The rates are those of the bunny, igea and dragon scans, rounded up.
+A job peaks twice: while a file is parsed, and while the footpoints of all data are searched on a control mesh that is
+nearly dense enough. The rates are those of the bunny, igea and dragon scans, rounded up.
 """
 
 import os

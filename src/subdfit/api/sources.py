@@ -58,6 +58,11 @@ def source_of(given: Any) -> Source:
     )
 
 
+def mesh_data(given: Any) -> MeshData:
+    """Return the plain arrays of whatever was given, as `source_of` reads it."""
+    return source_of(given).data
+
+
 def _from_pyvista(given: Any) -> MeshData:
     """Read the padded faces of a PolyData; grids of cells are reduced to their surface first."""
     if not hasattr(given, "faces") and hasattr(given, "extract_surface"):

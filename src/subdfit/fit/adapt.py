@@ -95,3 +95,11 @@ def all_sides(state: FitState, faces: NDArray[np.int64]) -> NDArray[np.bool_]:
     marks = np.zeros((state.surface.topology.face_count, 3), np.bool_)
     marks[faces] = True
     return marks
+
+
+def large_enough(state: FitState, faces: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Those of the given faces whose longest side exceeds the data's own spacing: finer ones would follow nothing."""
+    mesh = state.surface.control_mesh
+    corners = mesh.points[mesh.topology.triangles[faces]]
+    length = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
+    return faces[length > state.data.spacing]

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from subdfit.fit.adapt import all_sides, close_editor, face_maxima, longest_sides, open_editor, place_subdivided, side_marks
+from subdfit.fit.adapt import all_sides, close_editor, face_maxima, large_enough, longest_sides, open_editor, place_subdivided, side_marks
 from subdfit.fit.reverse import Strays, strays
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
@@ -22,7 +22,9 @@ FEW = 0.01
 LATE_DAMPING = 1e-2
 NEARLY = 1.5
 """Errors within this many tolerances are nearly there: the reverse side is looked at."""
-DAMPING_RANGE = (1e-6, 1e3)
+DAMPING_RANGE = (1e-6, 1.0)
+GIVE = 1.05
+"""A step is kept if it raises the data's error by no more than this factor; the driver keeps the best state."""
 STRAY_WEIGHT = 10.0
 """Weight of a sample of the surface that strayed, against a data point."""
 
@@ -51,8 +53,8 @@ class Auto:
         points = tangent_step(state, self.weights, self._damping, bound, extra, self.settings.fixed_boundary)
         moved = state.moved(points)
         low, high = DAMPING_RANGE
-        # Strays are no data: what draws them back may cost the data a little.
-        if extra or merit(moved, self.weights) < before:
+        # A step also serves what is no data: strays, folds, the mesh's shape. These may cost the data a little.
+        if merit(moved, self.weights) < GIVE * before:
             self._damping = max(self._damping / 3, low)
             return moved
         self._damping = min(self._damping * 10, high)
@@ -65,7 +67,7 @@ class Auto:
         faces = self._bad_faces(state)
         few = len(faces) <= FEW * state.surface.topology.face_count
         if few:
-            faces = np.union1d(faces, self._stray_faces(state))
+            faces = np.union1d(faces, large_enough(state, self._stray_faces(state)))
         marks = all_sides(state, faces) if few else longest_sides(state, faces)
         if tolerance.max is not None and not self.settings.fixed_boundary:
             marks |= side_marks(state, CURVE_FACTOR * tolerance.max)

@@ -1,6 +1,7 @@
 """The data of a fit: points in the normalised frame, which of them lie on curves, what each is allowed."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +47,14 @@ class FitData:
         boundary = np.unique(row[target.boundary_edges])
         crease = np.setdiff1d(np.unique(row[target.crease_edges]), boundary)
         return cls(points, len(used), allowance, boundary, crease, target)
+
+    @cached_property
+    def spacing(self) -> float:
+        """Mean length of the target's edges; 0 for a cloud."""
+        if not self.target.is_mesh:
+            return 0.0
+        corners = self.target.points[self.target.triangles]
+        return float(np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).mean())
 
     @property
     def surface_rows(self) -> NDArray[np.bool_]:

@@ -154,8 +154,10 @@ class LimitSurface:
         -------
         Evaluation
             At an irregular corner itself the scheme's derivatives by u and v vanish or diverge: there `first` holds limit
-            tangents along the two edges, which span the tangent plane, and `second` is zero. Towards irregular corners
-            of other valence than three, second derivatives diverge.
+            tangents along the two edges, and `second` is zero. The tangents span the tangent plane where there is one:
+            Loop's surface has none in a crease's or the boundary's sector of six faces and more, at a corner vertex in
+            a sector of three and more or without two sharp edges to bound it (there `first` holds the edges
+            themselves). Towards irregular corners of other valence than three, second derivatives diverge.
 
         Raises
         ------
@@ -205,7 +207,7 @@ class LimitSurface:
         return sp.csr_array(rows @ matrix)
 
     def normals(self, face: ArrayLike, uv: ArrayLike) -> Floats:
-        """Unit normals, (k, 3); zero where the surface has no tangent plane."""
+        """Unit normals of the tangents that `evaluate` gives, (k, 3); zero where these are parallel."""
         first = self.evaluate(face, uv, 1).first
         assert first is not None
         normal = np.cross(first[:, 0], first[:, 1])

@@ -146,7 +146,7 @@ def _terms(terms: list[tuple[int, int, int, int]], a: Matrix, b: Matrix, c: Matr
 
 def vertex_alpha(valence: int) -> float:
     """Weight of a smooth vertex itself in its new position (Loop 1987; Nishiyama et al. 2008, section 4)."""
-    return (3 / 8 + np.cos(2 * np.pi / valence) / 4) ** 2 + 3 / 8
+    return float((3 / 8 + np.cos(2 * np.pi / valence) / 4) ** 2 + 3 / 8)
 
 
 def subdivide(kind: CornerType) -> tuple[Matrix, list[Matrix]]:
@@ -203,9 +203,8 @@ def _edge(start: Matrix, end: Matrix, left: Matrix, right: Matrix) -> Matrix:
 
 
 def _ring_edge(kind: CornerType, v: Matrix, r: Matrix, k: int) -> Matrix:
-    if kind.sharp(k):
-        return (v + r[k]) / 2
-    return _edge(v, r[k], r[k - 1], r[(k + 1) % kind.ring])
+    rule: Matrix = (v + r[k]) / 2 if kind.sharp(k) else _edge(v, r[k], r[k - 1], r[(k + 1) % kind.ring])
+    return rule
 
 
 @cache
@@ -221,15 +220,67 @@ def limit_mask(kind: CornerType) -> Matrix:
 def tangent_masks(kind: CornerType) -> Matrix:
     """Weights of V and its ring for two limit tangents, along the edges to a and to b, (2, ring + 1).
 
-    They are what is left of the edges after projection onto the two subdominant eigenvectors of the subdivision matrix;
-    at a regular corner they equal the derivatives by u and v.
+    They span the tangent plane where there is one, keep the direction of a crease's or the boundary's curve, and at a
+    regular corner equal the derivatives by u and v.
     """
+    if kind.pinned and (kind.closed or kind.faces > 2):
+        tangents = _edges(kind)
+    elif kind.closed or kind.pinned or kind.faces == 1:
+        tangents = _projected_edges(kind)
+    else:
+        tangents = _crease_tangents(kind.faces)
+    return tangents[[kind.position, (kind.position + 1) % kind.ring]]
+
+
+def _edges(kind: CornerType) -> Matrix:
+    """The ring's edges themselves, r_i - V: a corner vertex stays, and its sharp edges keep their directions.
+
+    The eigenvalues of smooth edges, 3/8 + cos(pi m / k) / 4 between sharp ones and 3/8 + cos(2 pi m / k) / 4 all round,
+    reach 1/2 here: the surface is a cone or a spike, and no plane touches it (Biermann et al. 2000).
+    """
+    unit = np.eye(kind.ring + 1)
+    edges: Matrix = unit[1:] - unit[0]
+    return edges
+
+
+def _crease_tangents(faces: int) -> Matrix:
+    """Tangents along the edges of a crease vertex's sector of two or more faces, (faces + 1, faces + 2).
+
+    They stand at equal angles over a half-plane, t_i = cos(pi i / k) along + sin(pi i / k) across, whose axis along is
+    the curve's tangent: the cubic B-spline's (r_0 - r_k) / 2, with eigenvalue 1/2.
+    """
+    angle = np.pi * np.arange(faces + 1) / faces
+    along = np.zeros(faces + 2)
+    along[[1, -1]] = 1 / 2, -1 / 2
+    tangents: Matrix = np.outer(np.cos(angle), along) + np.outer(np.sin(angle), _across_crease(faces))
+    return tangents
+
+
+def _across_crease(faces: int) -> Matrix:
+    """Tangent mask across a crease: the left eigenvector l of lambda = 3/8 + cos(pi/k) / 4, (faces + 2,).
+
+    Smooth edges see only each other through the matrix tridiag(1/8, 3/8, 1/8), so l_i = sin(pi i / k) inside the
+    sector. The entries at V and at both ends follow from the zero sum of a tangent mask and from column r_0 of
+    l S = lambda l: with l_0 = l_k,
+
+        lambda l_0 = l_0 / 2 + (l_V + l_1) / 8,    l_V = -2 l_0 - sum l_i.
+
+    The scale makes it one on the right eigenvector r_i = sin(pi i / k). For k = 3 it is the mask (-2; -1, 2, 2, -1) of
+    Hoppe et al. 1994.
+    """
+    angle = np.pi / faces
+    inner = np.sin(angle * np.arange(1, faces))
+    end = (inner[0] - inner.sum()) / (1 + 2 * np.cos(angle))
+    return np.array([-2 * end - inner.sum(), end, *inner, end]) * 2 / faces
+
+
+def _projected_edges(kind: CornerType) -> Matrix:
+    """What is left of the edges after projection onto two subdominant eigenvectors, (ring, ring + 1)."""
     ring = kind.ring + 1
     deflated = subdivide(kind)[0][:ring, :ring] - limit_mask(kind)
     right = _subdominant(deflated)
     left = _subdominant(deflated.T)
-    rows = [1 + kind.position, 1 + (kind.position + 1) % kind.ring]
-    masks: Matrix = (right[rows] - right[0]) @ np.linalg.solve(left.T @ right, left.T)
+    masks: Matrix = (right[1:] - right[0]) @ np.linalg.solve(left.T @ right, left.T)
     return masks
 
 

@@ -1,0 +1,5 @@
+"""The command line: composes what the rooms below offer, and computes nothing."""
+
+from subdfit.cli.program import main
+
+__all__ = ["main"]

@@ -1,0 +1,120 @@
+"""``subdfit fit``: a control mesh within tolerance of a target."""
+
+import argparse
+import time
+from typing import TYPE_CHECKING, Any
+
+from subdfit.cli import options
+from subdfit.cli.console import Console, say
+from subdfit.cli.outputs import check_level, check_outputs, write_json, write_surface
+from subdfit.cli.summary import fit_line, picture_title
+
+if TYPE_CHECKING:
+    from subdfit import FitResult
+
+EXIT = {"within_tolerance": 0, "best_effort": 1, "interrupted": 130}
+
+_EXAMPLES = """examples:
+  subdfit fit bunny.ply -o cage.obj
+  subdfit fit part.stl -o cage.obj -o surface.glb --max-error 0.02 --unit mm --creases 30 --picture part.png
+"""
+
+
+def add_parser(commands: Any) -> None:
+    """Add the command to the parser's commands."""
+    parser = commands.add_parser(
+        "fit",
+        help="dense mesh -> control mesh within tolerance",
+        description="Fit a light control mesh whose limit surface lies within a tolerance of a dense mesh.",
+        epilog=_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument("target", metavar="TARGET", help="dense mesh: .ply .obj .off .stl .glb .gltf .json")
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="OUT",
+        action="append",
+        required=True,
+        help="file to write, may be repeated: .obj .ply .json .off hold the control mesh, .stl .glb the tessellated "
+        "limit surface",
+    )
+    options.add_tolerances(parser, "default: a largest error of 0.1%")
+    _add_method(parser)
+    options.add_target_options(parser)
+    group = parser.add_argument_group("what else to write")
+    group.add_argument("--tessellate", metavar="LEVEL", type=int, help="tessellate the limit surface in every output")
+    group.add_argument("--json", metavar="FILE", help="errors, seconds, settings and history")
+    group.add_argument("--picture", metavar="FILE.png", help="target, control mesh, error colours")
+    options.add_machine_options(parser)
+    parser.set_defaults(run=run)
+
+
+def _add_method(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("the fit")
+    group.add_argument("--scheme", choices=options.SCHEMES, default="loop", help="subdivision scheme (default: loop)")
+    group.add_argument(
+        "--method",
+        choices=options.METHODS,
+        default="auto",
+        help="auto: tangent distances, the best (default); geometric: Nishiyama, Morioka and Maekawa 2008",
+    )
+    group.add_argument("--control-vertices", metavar="N", type=int, help="vertices to start from (default: chosen)")
+    group.add_argument("--max-control-vertices", metavar="N", type=int, help="stop at so many, with the best so far")
+    group.add_argument(
+        "--boundary", choices=("fit", "fixed"), default="fit", help="move boundary vertices, or not (default: fit)"
+    )
+    group.add_argument("--seed", metavar="N", type=int, default=0, help="of random numbers; no method draws any today")
+
+
+def run(args: argparse.Namespace, console: Console) -> int:
+    """Fit, write all outputs, print the summary."""
+    from subdfit import api
+
+    check_level(args.tessellate)
+    check_outputs(args.output, [args.target], documents=[args.json], pictures=[args.picture])
+    try:
+        result = api.fit(args.target, progress=console.progress, **fit_arguments(args))
+    except KeyboardInterrupt:
+        return _write_unmeasured(args, console)
+    write_all(args, result, console)
+    console.rest()
+    say(fit_line(result))
+    return EXIT[result.status]
+
+
+def fit_arguments(args: argparse.Namespace) -> dict[str, Any]:
+    """Arguments of `subdfit.fit` for the command's options."""
+    names = ("scheme", "method", "control_vertices", "max_control_vertices", "boundary", "seed")
+    return options.target_arguments(args) | {name: getattr(args, name) for name in names}
+
+
+def write_all(args: argparse.Namespace, result: "FitResult", console: Console) -> None:
+    """Write every output; the JSON document last, as it tells the seconds of all."""
+    from subdfit import api
+
+    clock = time.perf_counter()
+    console.stage("writing")
+    for path in args.output:
+        write_surface(path, result.control_mesh, result.surface, args.tessellate)
+    if args.picture:
+        api.picture(args.picture, result, title=picture_title(result))
+    writing = time.perf_counter() - clock
+    result.seconds["write"] = writing
+    result.seconds["total"] += writing
+    if args.json:
+        write_json(args.json, result.to_dict())
+
+
+def _write_unmeasured(args: argparse.Namespace, console: Console) -> int:
+    """Write the best control mesh seen, when Ctrl-C came again while it was being measured."""
+    from subdfit import api
+
+    if console.best is None:
+        raise KeyboardInterrupt
+    for path in args.output:
+        write_surface(path, console.best, api.LimitSurface(console.best), args.tessellate)
+    console.rest()
+    say(f"{console.best.topology.vertex_count:,} control vertices, interrupted before they were measured")
+    return EXIT["interrupted"]

@@ -1,0 +1,62 @@
+"""Results in words: the line a fit ends with, the table of a measurement."""
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from subdfit import FitResult, Measurement
+    from subdfit.api import Comparison
+
+VERDICTS = {
+    "within_tolerance": "within tolerance on the data's side only",
+    "best_effort": "tolerance not reached",
+    "interrupted": "interrupted, the best so far",
+}
+
+
+def error_text(share: float, diagonal: float, unit: str | None) -> str:
+    """An error in per cent of the diagonal and in the unit."""
+    return f"{100 * share:.4g} % ({share * diagonal:.4g} {unit or 'units'})"
+
+
+def fit_line(result: "FitResult") -> str:
+    """One line on a fit."""
+    m, unit = result.measurement, result.unit
+    verdict = "certified" if result.certified else VERDICTS[result.status]
+    return (
+        f"{result.control_mesh.topology.vertex_count:,} control vertices, {verdict}: "
+        f"E_max {error_text(m.max, m.diagonal, unit)}, E_rms {error_text(m.rms, m.diagonal, unit)}, "
+        f"reverse {100 * m.reverse_max:.4g} %, {result.seconds['total']:.1f} s"
+    )
+
+
+def picture_title(result: "FitResult") -> str:
+    """What is written over a picture."""
+    m = result.measurement
+    verdict = "certified" if result.certified else VERDICTS[result.status]
+    return (
+        f"{result.control_mesh.topology.vertex_count:,} control vertices, {verdict}: "
+        f"largest error {error_text(m.max, m.diagonal, result.unit)}"
+    )
+
+
+def measure_table(found: "Comparison") -> str:
+    """Several lines on a measurement."""
+    m, unit = found.measurement, found.unit
+    rows = [
+        ("", "largest", "rms", "mean"),
+        ("data to surface", *_row(m, "max", "rms", "mean")),
+        ("surface to data", *_row(m, "reverse_max", "reverse_rms", "reverse_mean")),
+    ]
+    for name, curve in (("boundary", m.boundary), ("creases", m.crease)):
+        if curve is not None:
+            rows.append((name, f"{100 * curve.max:.4g} %", "", f"{100 * curve.mean:.4g} %"))
+    topology = found.control_mesh.topology
+    head = f"{topology.vertex_count:,} control vertices, {topology.face_count:,} faces, {found.control_mesh.scheme}"
+    tail = [f"diagonal {m.diagonal:.6g} {unit or 'units'}, largest error {m.max * m.diagonal:.4g} {unit or 'units'}"]
+    if found.status is not None:
+        tail.append("certified" if found.certified else VERDICTS[found.status])
+    return "\n".join([head, *("".join(f"{cell:<17}" for cell in row).rstrip() for row in rows), *tail])
+
+
+def _row(m: "Measurement", *names: str) -> list[str]:
+    return [f"{100 * getattr(m, name):.4g} %" for name in names]

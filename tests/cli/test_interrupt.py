@@ -1,0 +1,62 @@
+"""Ctrl-C: 130, and the best so far is written."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+from importlib import import_module
+
+import pytest
+
+import subdfit
+from subdfit.cli import main
+
+
+@pytest.mark.skipif(os.name == "nt", reason="sends a POSIX signal")
+def test_the_program_writes_the_best_so_far(sphere, tmp_path):
+    out, document = tmp_path / "best.obj", tmp_path / "best.json"
+    call = [
+        "fit",
+        str(sphere),
+        "-o",
+        str(out),
+        "--json",
+        str(document),
+        "--max-error",
+        "1e-9%",
+        "--method",
+        "geometric",
+    ]
+    code = "import sys, subdfit.cli.console as c; c.PAUSE = 0.0; from subdfit.cli import main; sys.exit(main())"
+    with subprocess.Popen([sys.executable, "-c", code, *call], stderr=subprocess.PIPE, text=True) as process:
+        for line in process.stderr:
+            if line.startswith("subdfit: fit "):
+                process.send_signal(signal.SIGINT)
+                break
+        rest = threading.Thread(target=process.stderr.read)
+        rest.start()
+        assert process.wait(60) == 130
+        rest.join()
+    assert json.loads(document.read_text())["status"] == "interrupted"
+    assert subdfit.read(out).scheme == "loop"
+    assert {path.name for path in tmp_path.iterdir()} == {"best.obj", "best.json"}
+
+
+def interrupt(*_, **__):
+    raise KeyboardInterrupt
+
+
+def test_before_there_is_anything(sphere, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("subdfit.api.fitting.prepare", interrupt)
+    assert main(["fit", str(sphere), "-o", str(tmp_path / "a.obj")]) == 130
+    assert "interrupted before" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_again_while_the_best_is_measured(sphere, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(import_module("subdfit.fit.driver"), "measure", interrupt)
+    assert main(["fit", str(sphere), "-o", str(tmp_path / "a.obj"), "--max-error", "1%"]) == 130
+    assert "before they were measured" in capsys.readouterr().out
+    assert subdfit.read(tmp_path / "a.obj").scheme == "loop"
