@@ -1,10 +1,12 @@
 """Every example runs from an empty folder, and what the documents tell readers to type works as it stands."""
 
+import doctest
 import os
 import re
 import shlex
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -14,6 +16,7 @@ from subdfit.cli import main
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"
+DOCTESTED = sorted(path for path in (ROOT / "src").rglob("*.py") if ">>> " in path.read_text(encoding="utf-8"))
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), *EXAMPLES.glob("*.md")])
 
 
@@ -71,6 +74,12 @@ def test_documented_commands_and_code_run(name: str, readers_folder: Path) -> No
     assert code
     (readers_folder / "documented.py").write_text("\n".join(code), encoding="utf-8")
     run_python(["documented.py"], readers_folder)
+
+
+@pytest.mark.parametrize("path", DOCTESTED, ids=lambda path: f"{path.parent.name}-{path.stem}")
+def test_docstring_examples_run(path: Path) -> None:
+    module = import_module(".".join(path.relative_to(ROOT / "src").with_suffix("").parts))
+    assert doctest.testmod(module).failed == 0
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)

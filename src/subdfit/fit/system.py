@@ -153,7 +153,7 @@ class System:
         out -= self._relaxation * (self._laplacian.T @ self._along(self._laplacian @ self._control))
         return out
 
-    def solve(self, tolerance: float = 1e-2, iterations: int = 50) -> Floats:
+    def solve(self, tolerance: float = 5e-2, iterations: int = 30) -> Floats:
         """Displacements by preconditioned conjugate gradients, to a relative residual of `tolerance`."""
         x = np.zeros((self._count, 3))
         residual = self.right_side()

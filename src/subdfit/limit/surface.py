@@ -154,10 +154,13 @@ class LimitSurface:
         -------
         Evaluation
             At an irregular corner itself the scheme's derivatives by u and v vanish or diverge: there `first` holds limit
-            tangents along the two edges, and `second` is zero. The tangents span the tangent plane where there is one:
-            Loop's surface has none in a crease's or the boundary's sector of six faces and more, at a corner vertex in
-            a sector of three and more or without two sharp edges to bound it (there `first` holds the edges
-            themselves). Towards irregular corners of other valence than three, second derivatives diverge.
+            tangents along the two edges, and `second` is zero. Towards irregular corners of other valence than three,
+            second derivatives diverge.
+
+            The tangents span the tangent plane, where there is one. Loop's surface has none beside a crease or boundary
+            vertex in a sector (between two sharp edges) of six faces or more, nor beside a corner vertex in a sector of
+            three or more or with fewer than two sharp edges; along sharp edges the tangents are those of their curves
+            even there.
 
         Raises
         ------
