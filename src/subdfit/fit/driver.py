@@ -3,7 +3,7 @@
 import logging
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -129,6 +129,8 @@ def fit_target(
     """
     if settings.method not in METHODS:
         raise InputError(f"unknown method '{settings.method}'; choose one of {', '.join(METHODS)}")
+    # More control vertices than data would follow nothing.
+    settings = replace(settings, max_control_vertices=settings.max_control_vertices or len(target.used))
     run = _Run(target, settings, Frame.of(target.points[target.used]), progress)
     clock = time.perf_counter()
     inside = target.normalised(run.frame)

@@ -3,16 +3,21 @@
 import logging
 
 import numpy as np
+from numpy.typing import NDArray
 
 from subdfit.errors import InputError
-from subdfit.initial.decimate import decimate
+from subdfit.initial.decimate import Decimated, decimate
 from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.target.bvh import TriangleTree
 from subdfit.target.target import Target
 
 logger = logging.getLogger(__name__)
 
 LEAST_SHARE, MOST_SHARE = 0.01, 0.05
 """The first control mesh has 1 to 5 % of the points (Nishiyama et al. 2008, section 3)."""
+COARSEST = 10.0
+LARGEST_SHARE = 0.25
+"""Share of the points at which doubling ends."""
 
 
 def start_mesh(target: Target, vertices: int | None, max_error: float | None) -> ControlMesh:
@@ -24,7 +29,8 @@ def start_mesh(target: Target, vertices: int | None, max_error: float | None) ->
         The data, in the normalised frame.
     vertices
         Vertices wanted; None takes 5 % of the points for tolerances of .05 % of the diagonal and less, 1 % for 1 % and
-        more, and in between by the logarithm.
+        more, and in between by the logarithm; and twice as many while the decimated mesh strays from the points by
+        more than `COARSEST` tolerances, as thin parts of few points do.
     max_error
         The tolerance as a share of the diagonal; None counts as .1 %.
 
@@ -35,20 +41,28 @@ def start_mesh(target: Target, vertices: int | None, max_error: float | None) ->
     """
     if not target.is_mesh:
         raise InputError("the target has points only; reconstruct a mesh from them first, or give faces")
-    wanted = default_vertices(len(target.used), max_error or 1e-3) if vertices is None else vertices
     row = np.full(len(target.points), -1, np.int64)
     row[target.used] = np.arange(len(target.used))
-    found = decimate(
-        target.points[target.used],
-        row[target.triangles],
-        wanted,
-        crease_edges=row[target.crease_edges],
-    )
+    points, triangles, creases = target.points[target.used], row[target.triangles], row[target.crease_edges]
+    if vertices is not None:
+        found = decimate(points, triangles, vertices, crease_edges=creases)
+    else:
+        bound = max_error or 1e-3
+        wanted = default_vertices(len(points), bound)
+        found = decimate(points, triangles, wanted, crease_edges=creases)
+        while _worst(points, found) > COARSEST * bound and wanted < LARGEST_SHARE * len(points):
+            wanted *= 2
+            found = decimate(points, triangles, wanted, crease_edges=creases)
     if found.message:
         logger.warning("%s", found.message)
     return ControlMesh.from_triangles(
         found.points, found.triangles, crease_edges=found.crease_edges, corner_vertices=found.corners
     )
+
+
+def _worst(points: NDArray[np.float64], found: Decimated) -> float:
+    """Largest distance of the points from a decimated mesh."""
+    return float(TriangleTree(found.points, found.triangles).closest(points).distance.max())
 
 
 def default_vertices(points: int, max_error: float) -> int:

@@ -6,6 +6,19 @@ from subdfit.compiled import kernel
 
 
 @kernel
+def repeated_vertex(face_offsets, face_vertices, vertex_count):  # type: ignore[no-untyped-def]
+    """Find the first face that has a vertex twice: (face, vertex), or (-1, -1) if none has."""
+    last_face = np.full(vertex_count, -1, np.int32)
+    for f in range(len(face_offsets) - 1):
+        for h in range(face_offsets[f], face_offsets[f + 1]):
+            v = face_vertices[h]
+            if last_face[v] == f:
+                return f, v
+            last_face[v] = f
+    return -1, -1
+
+
+@kernel
 def pair_half_edges(face_offsets, face_vertices, vertex_count):  # type: ignore[no-untyped-def]
     """Match opposite half-edges in time linear in the faces.
 
@@ -44,8 +57,6 @@ def pair_half_edges(face_offsets, face_vertices, vertex_count):  # type: ignore[
     for h in range(count):
         origin, target = face_vertices[h], face_vertices[following[h]]
         low = min(origin, target)
-        if origin == target:
-            return following, face, twin, edge, 0, h
         for slot in range(start[low], start[low + 1]):
             other = bucket[slot]
             if other == h:
@@ -65,7 +76,14 @@ def pair_half_edges(face_offsets, face_vertices, vertex_count):  # type: ignore[
 
 
 @kernel
-def outgoing_half_edges(face_offsets, face_vertices, face, following, twin, vertex_count):  # type: ignore[no-untyped-def]
+def before(h, face_offsets, face):  # type: ignore[no-untyped-def]
+    """Half-edge before `h` in its face."""
+    f = face[h]
+    return face_offsets[f + 1] - 1 if h == face_offsets[f] else h - 1
+
+
+@kernel
+def outgoing_half_edges(face_offsets, face_vertices, face, twin, vertex_count):  # type: ignore[no-untyped-def]
     """Give each vertex one outgoing half-edge: on the boundary the one without a twin, else the lowest.
 
     Returns
@@ -88,11 +106,33 @@ def outgoing_half_edges(face_offsets, face_vertices, face, following, twin, vert
         fan = 0
         while True:
             fan += 1
-            f = face[h]
-            before = face_offsets[f + 1] - 1 if h == face_offsets[f] else h - 1
-            h = twin[before]
+            h = twin[before(h, face_offsets, face)]
             if h < 0 or h == outgoing[v] or fan > valence[v]:
                 break
         if fan != valence[v]:
             return outgoing, valence, v
     return outgoing, valence, -1
+
+
+@kernel
+def find_edges(pairs, outgoing, face_offsets, face_vertices, following, face, twin, edge):  # type: ignore[no-untyped-def]
+    """Edges by their ends, either way round, from a walk round the first end.
+
+    Returns
+    -------
+    found : int32 (len(pairs),), -1 where no edge joins the two.
+    """
+    found = np.full(len(pairs), -1, np.int32)
+    for k in range(len(pairs)):
+        target = pairs[k, 1]
+        h = outgoing[pairs[k, 0]]
+        if face_vertices[following[h]] == target:
+            found[k] = edge[h]
+        while found[k] < 0:
+            last = before(h, face_offsets, face)
+            if face_vertices[last] == target:
+                found[k] = edge[last]
+            h = twin[last]
+            if h < 0 or h == outgoing[pairs[k, 0]]:
+                break
+    return found

@@ -2,15 +2,17 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from subdfit.errors import InputError
-from subdfit.mesh._topology_kernels import outgoing_half_edges, pair_half_edges
+from subdfit.mesh._topology_kernels import find_edges, outgoing_half_edges, pair_half_edges, repeated_vertex
 from subdfit.mesh.data import SHARP_FOR_EVER
 
 Indices = NDArray[np.int32]
+Whole = NDArray[Any]
 Floats = NDArray[np.float64]
 
 
@@ -73,34 +75,23 @@ class Topology:
         Raises
         ------
         InputError
-            The faces are not an oriented manifold, or a tag names an edge that does not exist.
+            Offsets that do not fit the faces, indices that are out of range or no whole numbers, a face of fewer than
+            three corners or with a vertex twice; faces that are no oriented manifold; a tag on an edge or a vertex
+            that does not exist, or whose sharpness is missing, negative or no number.
         """
-        offsets = np.ascontiguousarray(face_offsets, np.int32)
-        corners = np.ascontiguousarray(face_vertices, np.int32)
-        if len(corners) and (corners.min() < 0 or corners.max() >= vertex_count):
-            raise InputError(f"a face names a vertex outside 0..{vertex_count - 1}; mend the face list")
+        offsets, corners = _faces(face_offsets, face_vertices, vertex_count)
         following, face, twin, edge, edge_count, bad = pair_half_edges(offsets, corners, vertex_count)
         if bad >= 0:
             ends = corners[bad], corners[following[bad]]
             raise InputError(
                 f"edge ({ends[0]}, {ends[1]}) has more than two faces or two that disagree in orientation; repair the mesh"
             )
-        outgoing, valence, bad = outgoing_half_edges(offsets, corners, face, following, twin, vertex_count)
+        outgoing, valence, bad = outgoing_half_edges(offsets, corners, face, twin, vertex_count)
         if bad >= 0:
             raise InputError(f"vertex {bad} joins separate fans of faces; split it into one vertex a fan")
         if vertex_count and valence.min() == 0:
             raise InputError(f"vertex {int(np.argmin(valence))} belongs to no face; remove isolated vertices")
-        sharpness = np.zeros(edge_count)
-        if crease_edges is not None and len(np.atleast_1d(crease_edges)):
-            rows = np.asarray(crease_edges, np.int64).reshape(-1, 2)
-            tags = _tags(crease_sharpness, len(rows))
-            sharpness[_find_edges(corners, following, edge, vertex_count, rows)] = tags
-        sharpness[edge[twin < 0]] = np.inf
-        corner_tags = np.zeros(vertex_count)
-        if corner_vertices is not None:
-            vertices = np.asarray(corner_vertices, np.int64)
-            corner_tags[vertices] = _tags(corner_sharpness, len(vertices))
-        return cls(
+        plain = cls(
             vertex_count,
             offsets,
             corners,
@@ -110,14 +101,20 @@ class Topology:
             edge,
             outgoing,
             valence,
-            sharpness,
-            corner_tags,
+            np.zeros(edge_count),
+            np.zeros(vertex_count),
         )
+        creases = plain._edges_between(_rows([] if crease_edges is None else crease_edges, 2, "crease edges"))
+        plain.sharpness[creases] = _tags(crease_sharpness, len(creases), "crease")
+        plain.sharpness[edge[twin < 0]] = np.inf
+        tagged = _corner_vertices([] if corner_vertices is None else corner_vertices, vertex_count)
+        plain.corner_sharpness[tagged] = _tags(corner_sharpness, len(tagged), "corner")
+        return plain
 
     @classmethod
     def from_triangles(cls, triangles: ArrayLike, vertex_count: int, **tags: ArrayLike | None) -> "Topology":
         """Build from a (m, 3) array of triangles; `tags` as in `from_faces`."""
-        rows = np.asarray(triangles, np.int32).reshape(-1, 3)
+        rows = _rows(triangles, 3, "faces")
         return cls.from_faces(np.arange(0, 3 * len(rows) + 1, 3), rows.ravel(), vertex_count, **tags)
 
     @property
@@ -163,29 +160,93 @@ class Topology:
         """Edges inside the surface that carry sharpness: row numbers, ascending."""
         return np.flatnonzero((self.sharpness > 0) & ~self.boundary_edges)
 
+    def _edges_between(self, pairs: Whole) -> Indices:
+        """Edges by their ends, either way round, (e, 2)."""
+        inside = ((pairs >= 0) & (pairs < self.vertex_count)).all(axis=1)
+        edges = np.full(len(pairs), -1, np.int32)
+        edges[inside] = find_edges(
+            pairs[inside].astype(np.int32),
+            self.outgoing,
+            self.face_offsets,
+            self.face_vertices,
+            self.following,
+            self.face,
+            self.twin,
+            self.edge,
+        )
+        bad = np.flatnonzero(edges < 0)
+        if len(bad):
+            ends = pairs[bad[0]]
+            raise InputError(
+                f"crease ({ends[0]}, {ends[1]}) is not an edge of the mesh; remove the tag or mend the faces"
+            )
+        return edges
 
-def _tags(sharpness: ArrayLike | None, count: int) -> Floats:
+
+def _faces(face_offsets: ArrayLike, face_vertices: ArrayLike, vertex_count: int) -> tuple[Indices, Indices]:
+    """Ragged faces that kernels may walk: every index in range, three corners or more a face and no vertex twice."""
+    corners = _whole(face_vertices, "face vertices").ravel()
+    offsets = _offsets(face_offsets, len(corners))
+    if len(corners) and (corners.min() < 0 or corners.max() >= vertex_count):
+        first = int(np.argmax((corners < 0) | (corners >= vertex_count)))
+        face = int(np.searchsorted(offsets, first, side="right")) - 1
+        raise InputError(
+            f"face {face} names vertex {corners[first]}, outside 0..{vertex_count - 1}; mend the face list"
+        )
+    corners = np.ascontiguousarray(corners, np.int32)
+    face, vertex = repeated_vertex(offsets, corners, vertex_count)
+    if face >= 0:
+        raise InputError(f"face {face} has vertex {vertex} more than once; remove the face or cut it there")
+    return offsets, corners
+
+
+def _offsets(face_offsets: ArrayLike, corner_count: int) -> Indices:
+    offsets = _whole(face_offsets, "face offsets").ravel()
+    if not len(offsets) or offsets[0] != 0:
+        raise InputError("the offset of face 0 is not 0; give one offset a face, from 0 on, and the number of corners")
+    # In floating point no difference wraps round.
+    short = np.flatnonzero(np.diff(offsets.astype(np.float64)) < 3)
+    if len(short):
+        begin, end = offsets[short[0] : short[0] + 2]
+        raise InputError(f"face {short[0]} has corners {begin} up to {end}; a face takes three or more")
+    if offsets[-1] != corner_count:
+        raise InputError(
+            f"the last of {len(offsets) - 1} faces ends at corner {offsets[-1]} of {corner_count}; mend the offsets"
+        )
+    return np.ascontiguousarray(offsets, np.int32)
+
+
+def _whole(values: ArrayLike, what: str) -> Whole:
+    """An array of whole numbers, of whatever type it has."""
+    array = np.asarray(values)
+    if array.dtype.kind not in "iuf" or (array.dtype.kind == "f" and not np.array_equal(array, np.floor(array))):
+        raise InputError(f"{what} are not whole numbers; give integers")
+    return array
+
+
+def _rows(values: ArrayLike, columns: int, what: str) -> Whole:
+    rows = _whole(values, what)
+    if rows.size and (rows.ndim != 2 or rows.shape[1] != columns):
+        raise InputError(f"{what} come in shape {rows.shape}; give {columns} vertices a row")
+    return rows.reshape(-1, columns)
+
+
+def _corner_vertices(values: ArrayLike, vertex_count: int) -> NDArray[np.intp]:
+    vertices = _whole(values, "corner vertices").ravel()
+    bad = np.flatnonzero((vertices < 0) | (vertices >= vertex_count))
+    if len(bad):
+        raise InputError(f"corner vertex {vertices[bad[0]]} is outside 0..{vertex_count - 1}; remove the tag")
+    return vertices.astype(np.intp)
+
+
+def _tags(sharpness: ArrayLike | None, count: int, what: str) -> Floats:
     """Sharpness as we keep it: ``inf`` from `SHARP_FOR_EVER` on, and where none is given."""
     if sharpness is None:
         return np.full(count, np.inf)
     values = np.asarray(sharpness, np.float64)
+    if values.shape != (count,):
+        raise InputError(f"{what} sharpness comes in shape {values.shape} for {count} tags; give one value a tag")
+    bad = np.flatnonzero(~(values >= 0))
+    if len(bad):
+        raise InputError(f"{what} {bad[0]} has sharpness {values[bad[0]]}; give 0 or more, 10 for sharp for ever")
     return np.where(values >= SHARP_FOR_EVER, np.inf, values)
-
-
-def _find_edges(
-    corners: Indices, following: Indices, edge: Indices, vertex_count: int, pairs: NDArray[np.int64]
-) -> NDArray[np.int64]:
-    origin = corners.astype(np.int64)
-    target = origin[following]
-    keys = np.minimum(origin, target) * vertex_count + np.maximum(origin, target)
-    order = np.argsort(keys, kind="stable")
-    wanted = pairs.min(axis=1) * vertex_count + pairs.max(axis=1)
-    slots = np.searchsorted(keys[order], wanted)
-    found = slots < len(keys)
-    found[found] = keys[order[slots[found]]] == wanted[found]
-    if not found.all():
-        first = pairs[np.flatnonzero(~found)[0]]
-        raise InputError(
-            f"crease ({first[0]}, {first[1]}) is not an edge of the mesh; remove the tag or mend the faces"
-        )
-    return edge[order[slots]].astype(np.int64)
