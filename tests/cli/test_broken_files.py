@@ -23,7 +23,18 @@ REFUSED = {
 
 def run(meshes, name, folder, *extra):
     out = folder / "out.obj"
-    call = ["fit", str(meshes / "broken" / name), "-o", str(out), "--max-error", "2%", "--quiet", *extra]
+    call = [
+        "fit",
+        str(meshes / "broken" / name),
+        "-o",
+        str(out),
+        "--max-error",
+        "2%",
+        "--max-control-vertices",
+        "200",
+        "--quiet",
+        *extra,
+    ]
     return main(call), out.exists()
 
 

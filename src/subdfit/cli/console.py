@@ -28,7 +28,8 @@ def one_line(text: object) -> str:
 def say(text: str) -> None:
     """Write a result to standard output, which may have been closed."""
     try:
-        print(text, flush=True)  # noqa: T201
+        sys.stdout.write(text + "\n")
+        sys.stdout.flush()
     except BrokenPipeError:
         with suppress(OSError, ValueError):
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

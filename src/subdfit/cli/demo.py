@@ -1,12 +1,13 @@
 """``subdfit demo``: the main job on a model that comes with the program, or on the user's own."""
 
 import argparse
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from subdfit.cli import options
 from subdfit.cli.console import Console, say
-from subdfit.cli.fit import EXIT, fit_arguments
+from subdfit.cli.fit import EXIT, add_writing, fit_arguments
 from subdfit.cli.outputs import check_outputs, write_json, write_surface
 from subdfit.cli.summary import fit_line, picture_title
 from subdfit.errors import MachineError
@@ -93,8 +94,10 @@ def _scan(folder: Path, args: argparse.Namespace, console: Console) -> str:
 def _write(folder: Path, result: "FitResult") -> None:
     from subdfit import api
 
+    clock = time.perf_counter()
     for name in ("control_mesh.obj", "limit_surface.stl", "limit_surface.glb"):
         write_surface(str(folder / name), result.control_mesh, result.surface, None)
     api.picture(folder / "picture.png", result, title=picture_title(result))
     api.history_picture(folder / "history.png", result, title="Convergence")
+    add_writing(result, clock)
     write_json(folder / "result.json", result.to_dict())

@@ -100,11 +100,16 @@ def write_all(args: argparse.Namespace, result: "FitResult", console: Console) -
         write_surface(path, result.control_mesh, result.surface, args.tessellate)
     if args.picture:
         api.picture(args.picture, result, title=picture_title(result))
-    writing = time.perf_counter() - clock
-    result.seconds["write"] = writing
-    result.seconds["total"] += writing
+    add_writing(result, clock)
     if args.json:
         write_json(args.json, result.to_dict())
+
+
+def add_writing(result: "FitResult", since: float) -> None:
+    """Add the seconds since writing began to the result's."""
+    writing = time.perf_counter() - since
+    result.seconds["write"] = writing
+    result.seconds["total"] += writing
 
 
 def _write_unmeasured(args: argparse.Namespace, console: Console) -> int:

@@ -133,6 +133,18 @@ def leaving_side(u, v, du, dv):  # type: ignore[no-untyped-def]
 
 
 @inlined_kernel
+def other_side_at(u, v, side):  # type: ignore[no-untyped-def]
+    """The second side on which (u, v) lies when it is a corner; -1 if it is none."""
+    if side != 0 and v <= ON_SIDE:
+        return 0
+    if side != 1 and u + v >= 1 - ON_SIDE:
+        return 1
+    if side != 2 and u <= ON_SIDE:
+        return 2
+    return -1
+
+
+@inlined_kernel
 def slide(side, h0, h1, h2, gu, gv):  # type: ignore[no-untyped-def]
     """Newton's step along a side."""
     tu, tv = 1.0, 0.0
@@ -163,7 +175,15 @@ def direction(patches, cells, cell, u, v, x, y, z, e, spare, cache, tags, second
     """
     du, dv, h0, h1, h2, gu, gv = newton_step(e, x, y, z, second)
     side = leaving_side(u, v, du, dv)
-    if side < 0 or not cells.sharp[cell, side]:
+    if side < 0:
+        return cell, u, v, du, dv
+    if not cells.sharp[cell, side]:
+        # At a corner with a sharp side, descend along that before going round the corner.
+        beside = other_side_at(u, v, side)
+        if beside >= 0 and cells.sharp[cell, beside]:
+            su, sv = slide(beside, h0, h1, h2, gu, gv)
+            if leaving_side(u, v, su, sv) < 0 and su * su + sv * sv > 1e-20:
+                return cell, u, v, su, sv
         return cell, u, v, du, dv
     if cells.neighbour[cell, side] >= 0:
         other, nu, nv, _, _ = cross(cells, cell, side, u, v, 0.0, 0.0)
@@ -175,6 +195,12 @@ def direction(patches, cells, cell, u, v, x, y, z, e, spare, cache, tags, second
                 e[i] = spare[i]
             return other, nu, nv, eu, ev
     du, dv = slide(side, h0, h1, h2, gu, gv)
+    other_side = leaving_side(u, v, du, dv)
+    if other_side >= 0 and cells.sharp[cell, other_side]:
+        # In a corner between two sharp sides: along the other one, or nowhere.
+        du, dv = slide(other_side, h0, h1, h2, gu, gv)
+        if leaving_side(u, v, du, dv) >= 0:
+            return cell, u, v, 0.0, 0.0
     return cell, u, v, du, dv
 
 

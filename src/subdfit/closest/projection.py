@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial import cKDTree
 
 from subdfit.closest import _kernels as kernels
 from subdfit.limit.surface import LimitSurface
@@ -17,6 +18,16 @@ Floats = NDArray[np.float64]
 CHUNK = 4096
 SEGMENTS = 3
 """Segments a cell side in the tree's triangles."""
+AT_CORNER, NEAR_CORNER = 1e-6, 0.8
+"""Footpoints this close to a vertex, of weight 1 at it, and beyond this weight near one with kinks, are tried again."""
+_ROUND = np.array(
+    [
+        [[0.0, 0.0], [0.1, 0.0], [0.0, 0.1]],
+        [[1.0, 0.0], [0.9, 0.1], [0.9, 0.0]],
+        [[0.0, 1.0], [0.0, 0.9], [0.1, 0.9]],
+    ]
+)
+"""For each corner of a cell: the corner itself, and places on its two sides."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,24 +141,74 @@ class Projector:
         best = self.nearest(data)
         offsets, triangle, _ = self._tree.within(data, best.distance - self.tolerance)
         point = np.repeat(np.arange(len(data)), np.diff(offsets))
-        centre = np.full((len(triangle), 2), 1 / 3)
-        face, uv = self._on_surface(triangle, centre)
         other = triangle != self._triangle_under(best.face, best.uv)[point]
-        if not other.any():
-            return best
-        point, face, uv = point[other], face[other], uv[other]
-        tried = self.refine(data[point], face, uv)
+        face, uv = self._on_surface(triangle[other], np.full((np.count_nonzero(other), 2), 1 / 3))
+        self._try(data, best, point[other], face, uv)
+        self._try(data, best, *self._kinks_nearer(data, best))
+        self._try(data, best, *self._round_corners(best))
+        return best
+
+    def _try(
+        self, data: Floats, best: Projection, point: NDArray[np.int64], face: NDArray[np.int32], uv: Floats
+    ) -> None:
+        """Start anew from given places, several a point, and keep what is nearer than `best`."""
+        if len(point) == 0:
+            return
+        tried = self.refine(data[point], face, uv, iterations=100)
         order = np.lexsort((tried.distance, point))
         first = order[np.r_[True, point[order][1:] != point[order][:-1]]]
         better = first[tried.distance[first] < best.distance[point[first]]]
         rows = point[better]
-        for mine, theirs in zip(
-            (best.face, best.uv, best.distance, best.converged),
-            (tried.face, tried.uv, tried.distance, tried.converged),
-            strict=True,
-        ):
-            mine[rows] = theirs[better]
-        return best
+        best.face[rows], best.uv[rows] = tried.face[better], tried.uv[better]
+        best.distance[rows], best.converged[rows] = tried.distance[better], tried.converged[better]
+
+    def _kinks_nearer(
+        self, data: Floats, best: Projection
+    ) -> tuple[NDArray[np.int64], NDArray[np.int32], Floats]:
+        """Vertices with kinks that are nearer than the footpoints: from elsewhere descent may pass them by."""
+        kinked = np.flatnonzero(self._kinked)
+        if len(kinked) == 0:
+            return np.empty(0, np.int64), np.empty(0, np.int32), np.empty((0, 2))
+        start, cells, corners = self._fans
+        cell, corner = cells[start[kinked]].astype(np.int32), corners[start[kinked]]
+        limits = self.surface.evaluate(cell, _ROUND[corner, 0]).position
+        distance, which = cKDTree(limits).query(data)
+        point = np.flatnonzero(distance < best.distance)
+        return point, cell[which[point]], _ROUND[corner[which[point]], 0]
+
+    def _round_corners(self, best: Projection) -> tuple[NDArray[np.int64], NDArray[np.int32], Floats]:
+        """Places to try for footpoints near a vertex with kinks, or stuck at one: that vertex, and round it."""
+        domain = self.surface.domain
+        weights = np.column_stack([1 - best.uv.sum(axis=1), best.uv])
+        corner = weights.argmax(axis=1)
+        largest = weights[np.arange(len(corner)), corner]
+        vertex = domain.vertex[best.face, corner]
+        doubtful = ~best.converged | (largest > 1 - AT_CORNER) | (self._kinked[vertex] & (largest > NEAR_CORNER))
+        point = np.flatnonzero(doubtful)
+        start, cells, corners = self._fans
+        count = start[vertex[point] + 1] - start[vertex[point]]
+        rows = np.repeat(start[vertex[point]], count) + np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+        tries = _ROUND[corners[rows]]
+        faces = np.repeat(cells[rows], tries.shape[1]).astype(np.int32)
+        return np.repeat(np.repeat(point, count), tries.shape[1]), faces, tries.reshape(-1, 2).copy()
+
+    @cached_property
+    def _kinked(self) -> NDArray[np.bool_]:
+        """Vertices on creases and boundaries, and tagged corners."""
+        domain, topology = self.surface.domain, self.surface.topology
+        flags = topology.corner_sharpness > 0
+        cell, side = np.nonzero(domain.sharp[:, :3])
+        flags[domain.vertex[cell, side]] = True
+        flags[domain.vertex[cell, (side + 1) % 3]] = True
+        return np.asarray(flags)
+
+    @cached_property
+    def _fans(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+        """For each vertex the cells round it and which of their corners it is, as offsets and two lists."""
+        at = self.surface.domain.vertex[:, :3].ravel()
+        order = np.argsort(at, kind="stable")
+        count = np.bincount(at, minlength=self.surface.topology.vertex_count)
+        return np.concatenate([[0], np.cumsum(count)]), order // 3, order % 3
 
     def _on_surface(self, triangle: NDArray[np.int32], uv: Floats) -> tuple[NDArray[np.int32], Floats]:
         corners = self._corner_uv[triangle % (SEGMENTS * SEGMENTS)]

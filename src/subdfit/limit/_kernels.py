@@ -11,6 +11,10 @@ SLOTS = 10
 """Coefficient sets kept while the cell does not change: the sub-patches of three levels, and one for all deeper."""
 
 
+NEAR_LEVEL = 30
+"""Level of refinement at which a point counts as very near an irregular corner."""
+
+
 class Patches(NamedTuple):
     """The arrays of a patch table (see `subdfit.schemes.patch_table`) and the positions of its points, (points, 3)."""
 
@@ -250,9 +254,8 @@ def weights(patches, cell, uv, offsets, start, stop, derivative, columns, values
 
 
 @inlined_kernel
-def expand(patches, cell, u, v, out, cache, tags):  # type: ignore[no-untyped-def]
-    """Write S, Su, Sv, Suu, Suv, Svv into `out` (18,), three coordinates each."""
-    patch, block, x, y, xu, xv, yu, yv = locate(patches, cell, u, v)
+def derivatives(patches, patch, block, x, y, xu, xv, yu, yv, out, cache, tags):  # type: ignore[no-untyped-def]
+    """Write S, Su, Sv, Suu, Suv, Svv of a located polynomial into `out` (18,), three coordinates each."""
     c = coefficients(patches, patch, block, cache, tags)
     for d in range(3):
         value, by_x, by_y = first_order(cache, c + 16 * d, x, y)
@@ -263,3 +266,31 @@ def expand(patches, cell, u, v, out, cache, tags):  # type: ignore[no-untyped-de
         out[9 + d] = xu * xu * by_xx + 2 * xu * yu * by_xy + yu * yu * by_yy
         out[12 + d] = xu * xv * by_xx + (xu * yv + xv * yu) * by_xy + yu * yv * by_yy
         out[15 + d] = xv * xv * by_xx + 2 * xv * yv * by_xy + yv * yv * by_yy
+
+
+@kernel
+def expand(patches, cell, u, v, out, cache, tags):  # type: ignore[no-untyped-def]
+    """Write S and its first and second derivatives at (u, v) into `out` (18,), three coordinates each.
+
+    At an irregular corner the first derivatives are those of a point very near, whose directions are true, scaled to the
+    length of the limit tangents, and the second are zero.
+    """
+    patch, block, x, y, xu, xv, yu, yv = locate(patches, cell, u, v)
+    derivatives(patches, patch, block, x, y, xu, xv, yu, yv, out, cache, tags)
+    levels = patches.type_levels[patches.patch_type[patch]]
+    if levels == 0 or block != 3 * levels:
+        return
+    px, py, pz = out[0], out[1], out[2]
+    wanted = found = 0.0
+    for i in range(3, 9):
+        wanted += out[i] * out[i]
+    # The middle sub-patch of a deep level, at its middle.
+    derivatives(patches, patch, 3 * NEAR_LEVEL - 1, 0.5, 0.5, -xu, -xv, -yu, -yv, out, cache, tags)
+    for i in range(3, 9):
+        found += out[i] * out[i]
+    scale = np.sqrt(wanted / found) if found > 0 else 0.0
+    out[0], out[1], out[2] = px, py, pz
+    for i in range(3, 9):
+        out[i] *= scale
+    for i in range(9, 18):
+        out[i] = 0.0
