@@ -17,10 +17,10 @@ def show(step: subdfit.Progress) -> None:
 
 
 # Nishiyama's method from few vertices: it refines by itself where the error is large.
-result = subdfit.fit(knot, max_error="0.02%", method="geometric", control_vertices=60, progress=show)
+result = subdfit.fit(knot, max_error="0.1%", method="geometric", control_vertices=60, progress=show)
 print(result)
 
 # Too little to reach the tolerance: no exception, but a status, and the best surface that was seen.
-modest = subdfit.fit(knot, max_error="0.0005%", max_control_vertices=150)
+modest = subdfit.fit(knot, max_error="0.01%", max_control_vertices=100)
 print(modest)
 print(f"status {modest.status}, certified: {modest.certified}")

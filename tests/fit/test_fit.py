@@ -1,0 +1,169 @@
+"""Fitting: truths about the result, whatever the method."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from subdfit.closest.projection import Projector
+from subdfit.errors import InputError
+from subdfit.fit.auto import Auto
+from subdfit.fit.data import FitData
+from subdfit.fit.driver import METHODS, Progress, fit_target
+from subdfit.fit.settings import FitSettings
+from subdfit.fit.state import FitState
+from subdfit.fit.tangent import TangentSettings
+from subdfit.limit import LimitSurface
+from subdfit.limit.tessellate import lattice
+from subdfit.measure import Tolerance, measure
+from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.target.frame import Frame
+from subdfit.target.target import Target, mesh_target
+
+EITHER = pytest.mark.parametrize("method", sorted(METHODS))
+
+
+def settings(method: str, bound: float, **others: object) -> FitSettings:
+    return replace(FitSettings(method=method, tolerance=Tolerance(max=bound)), **others)  # type: ignore[arg-type]
+
+
+@EITHER
+def test_errors_are_those_of_an_independent_measurement(method: str, ball: Target) -> None:
+    result = fit_target(ball, settings(method, 2e-3))
+    assert result.status == "within_tolerance"
+    surface = LimitSurface(result.control_mesh, "loop")
+    found = Projector(surface).certain(ball.points)
+    assert found.distance.max() / ball.diagonal == pytest.approx(result.measurement.max, rel=1e-6)
+    assert result.measurement.max <= 2e-3
+
+
+def test_auto_certifies_a_sphere(ball: Target) -> None:
+    result = fit_target(ball, settings("auto", 5e-4))
+    assert result.certified
+    count = result.surface.domain.face_count
+    fine = result.surface.evaluate(np.arange(count), np.full((count, 2), 0.3))
+    radius = np.linalg.norm(fine.position, axis=1)
+    assert np.abs(radius - 1).max() <= 5e-4 * ball.diagonal + ball.sagitta.max()
+
+
+def test_error_falls_with_the_square_of_the_spacing(ball: Target) -> None:
+    errors = []
+    for vertices in (40, 160):
+        asked = settings("auto", 1e-9, control_vertices=vertices, max_control_vertices=vertices, max_iterations=12)
+        errors.append(fit_target(ball, asked).measurement.rms)
+    # Four times the vertices halve the spacing. Loop surfaces approximate to second order at extraordinary vertices,
+    # of which a decimated mesh is full: a factor of four in the limit.
+    assert errors[0] / errors[1] > 2.8
+
+
+def test_a_control_mesh_is_recovered_from_its_own_surface(ball: Target) -> None:
+    known = fit_target(ball, settings("auto", 2e-3, control_vertices=60, max_control_vertices=60)).control_mesh
+    rng = np.random.default_rng(0)
+    squashed = known.with_points(known.points * [1.0, 0.8, 1.3] + 0.01 * rng.normal(size=known.points.shape))
+    surface = LimitSurface(squashed, "loop")
+    grid = lattice(surface.domain, 12)
+    samples = surface.evaluate(grid.face, grid.uv).position
+    target = mesh_target(samples, grid.triangles, creases="none")
+    frame = Frame.of(target.points)
+    data = FitData.of(target.normalised(frame), 0.1)
+    start = LimitSurface(squashed.with_points(frame.inside(squashed.points + 0.01)), "loop")
+    state = FitState.start(data, start)
+    method = Auto(settings("auto", 1.0), TangentSettings(relaxation=0.0, reverse_weight=0.0))
+    for _ in range(20):
+        state = method.advance(state)
+    assert state.errors.max < 2e-5
+
+
+@EITHER
+def test_the_boundary_is_followed(method: str, dome: Target) -> None:
+    result = fit_target(dome, settings(method, 2e-3))
+    assert result.status == "within_tolerance"
+    assert result.measurement.boundary is not None
+    assert result.measurement.boundary.max <= 4e-3
+    assert np.count_nonzero(result.control_mesh.topology.boundary_edges) >= 3
+
+
+def test_a_fixed_boundary_stays(dome: Target) -> None:
+    few = settings("auto", 1e-2, control_vertices=80, max_iterations=3, fixed_boundary=True)
+    meshes: list[ControlMesh] = []
+    fit_target(dome, few, lambda p: meshes.append(p.control_mesh))
+    first = meshes[0].topology
+    rim = np.unique(first.edge_vertices[first.boundary_edges])
+    for mesh in meshes[1:]:
+        np.testing.assert_allclose(mesh.points[rim], meshes[0].points[rim], atol=1e-12)
+
+
+@EITHER
+def test_creases_make_a_box_of_few_vertices(method: str, box: Target) -> None:
+    result = fit_target(box, settings(method, 1e-3))
+    assert result.status == "within_tolerance"
+    assert len(result.control_mesh.topology.crease_edges) >= 12
+    smooth = replace(box, crease_edges=np.empty((0, 2), np.int64))
+    without = fit_target(smooth, settings(method, 1e-3, max_iterations=40))
+    assert result.control_mesh.topology.vertex_count < without.control_mesh.topology.vertex_count / 2
+
+
+@EITHER
+def test_the_same_input_gives_the_same_output_on_any_number_of_threads(method: str, dome: Target) -> None:
+    from subdfit import parallel
+
+    results = []
+    for count in (1, 2):
+        parallel.set_threads(count)
+        results.append(fit_target(dome, settings(method, 2e-3)).control_mesh)
+    parallel.set_threads(None)
+    assert np.array_equal(results[0].points, results[1].points)
+    assert np.array_equal(results[0].topology.face_vertices, results[1].topology.face_vertices)
+
+
+@EITHER
+def test_size_and_place_do_not_matter(method: str, dome: Target) -> None:
+    near = fit_target(dome, settings(method, 2e-3))
+    scale, offset = 1000.0, np.array([1e6, -2e6, 5e5])
+    moved = mesh_target(dome.points * scale + offset, dome.triangles, creases="none")
+    far = fit_target(moved, settings(method, 2e-3))
+    assert far.status == "within_tolerance"
+    assert far.measurement.max == pytest.approx(near.measurement.max, rel=0.5)
+    centre = far.control_mesh.points.mean(axis=0)
+    assert np.linalg.norm(centre - offset) < 2 * scale
+
+
+def test_progress_gives_a_usable_mesh_at_every_iteration(dome: Target) -> None:
+    seen: list[Progress] = []
+    result = fit_target(dome, settings("geometric", 1e-3), seen.append)
+    assert [p.iteration for p in seen] == [row.iteration for row in result.history]
+    for p in seen:
+        assert LimitSurface(p.control_mesh, "loop").vertex_limits().shape == (p.control_vertices, 3)
+
+
+def test_an_interrupt_gives_the_best_so_far(dome: Target) -> None:
+    def stop(p: Progress) -> None:
+        if p.iteration == 3:
+            raise KeyboardInterrupt
+
+    result = fit_target(dome, settings("auto", 1e-6), stop)
+    assert result.status == "interrupted"
+    assert not result.certified
+    assert result.measurement.max == pytest.approx(min(row.max for row in result.history), rel=0.05)
+
+
+def test_a_budget_is_kept_and_said(ball: Target) -> None:
+    result = fit_target(ball, settings("auto", 1e-7, control_vertices=50, max_control_vertices=70, max_iterations=30))
+    assert result.status == "best_effort"
+    assert not result.certified
+    assert result.control_mesh.topology.vertex_count <= 70
+
+
+def test_an_unknown_method_is_refused(ball: Target) -> None:
+    with pytest.raises(InputError, match="unknown method"):
+        fit_target(ball, settings("magic", 1e-3))
+
+
+def test_a_surface_that_covers_a_hole_is_not_certified(dome: Target, ball: Target) -> None:
+    whole = fit_target(ball, settings("auto", 2e-3)).control_mesh
+    frame = Frame.of(dome.points)
+    surface = LimitSurface(whole.with_points(frame.inside(whole.points)), "loop")
+    found = measure(surface, dome.normalised(frame), 0.02, frame.diagonal)
+    assert found.max < 5e-3
+    assert found.reverse_max > 0.1
+    assert not found.certifies(Tolerance(max=5e-3))
