@@ -37,8 +37,8 @@ def kernel(function: Callable[..., Any]) -> Any:
 def inlined_kernel(function: Callable[..., Any]) -> Any:
     """Compile as `kernel` does, but contained in its callers: for the small steps of hot loops.
 
-    Such a kernel must not allocate, slice or return arrays: it counts no references to them, which in a loop over points
-    would cost more than the arithmetic.
+    Such a kernel must not allocate, slice or return arrays: it counts no references to them, which in a loop over
+    points would cost more than the arithmetic.
     """
     return _compile(function, forceinline=True)
 
@@ -61,7 +61,7 @@ def _compile(function: Callable[..., Any], *, forceinline: bool) -> Any:
 
 @cache
 def cache_directory(module: str) -> str:
-    """Where a module's machine code is kept: NUMBA_CACHE_DIR, else beside the package, else the user's cache directory."""
+    """Where a module's machine code is kept: NUMBA_CACHE_DIR, else beside the package, else the user's cache."""
     name = f"kernels-{_sources_hash(module)}"
     chosen = os.environ.get("NUMBA_CACHE_DIR")
     own = [_PACKAGE / "__pycache__", Path(platformdirs.user_cache_dir("subdfit"))]
@@ -88,7 +88,8 @@ def _sources(module: str) -> set[Path]:
         path = _PACKAGE.joinpath(*waiting.pop().split(".")[1:]).with_suffix(".py")
         if path not in found:
             found.add(path)
-            waiting += re.findall(r"^from (subdfit[.\w]*_kernels) import", path.read_text(encoding="utf-8"), re.MULTILINE)
+            text = path.read_text(encoding="utf-8")
+            waiting += re.findall(r"^from (subdfit[.\w]*_kernels) import", text, re.MULTILINE)
     return found
 
 
@@ -101,7 +102,7 @@ def _writable(folder: Path) -> bool:
         return False
 
 
-class CompileClock(numba.core.event.Listener):  # type: ignore[misc]
+class CompileClock(numba.core.event.Listener):
     """Counts the seconds spent compiling, and tells the user once that it happens."""
 
     def __init__(self) -> None:

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+
 from shapes.parameters import size
 from shapes.zoo import ZOO, mesh_of, scattered
-
 from subdfit.closest.curves import SurfaceCurves
 from subdfit.closest.projection import Projector
 from subdfit.errors import InputError

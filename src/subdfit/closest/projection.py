@@ -58,7 +58,7 @@ class Projector:
         A footpoint is settled when its next step on the surface is shorter than this, in the control points' unit;
         None takes 1e-8 of the control mesh's extent.
     second_order
-        Use second derivatives (Newton's method); without them it is the tangent-plane iteration of Nishiyama et al. 2008.
+        Use second derivatives (Newton's method); without them the tangent-plane iteration of Nishiyama et al. 2008.
     """
 
     def __init__(self, surface: LimitSurface, tolerance: float | None = None, second_order: bool = True) -> None:
@@ -162,9 +162,7 @@ class Projector:
         best.face[rows], best.uv[rows] = tried.face[better], tried.uv[better]
         best.distance[rows], best.converged[rows] = tried.distance[better], tried.converged[better]
 
-    def _kinks_nearer(
-        self, data: Floats, best: Projection
-    ) -> tuple[NDArray[np.int64], NDArray[np.int32], Floats]:
+    def _kinks_nearer(self, data: Floats, best: Projection) -> tuple[NDArray[np.int64], NDArray[np.int32], Floats]:
         """Vertices with kinks that are nearer than the footpoints: from elsewhere descent may pass them by."""
         kinked = np.flatnonzero(self._kinked)
         if len(kinked) == 0:
@@ -173,7 +171,7 @@ class Projector:
         cell, corner = cells[start[kinked]].astype(np.int32), corners[start[kinked]]
         limits = self.surface.evaluate(cell, _ROUND[corner, 0]).position
         distance, which = cKDTree(limits).query(data)
-        point = np.flatnonzero(distance < best.distance)
+        point, which = np.flatnonzero(distance < best.distance), np.asarray(which, np.int64)
         return point, cell[which[point]], _ROUND[corner[which[point]], 0]
 
     def _round_corners(self, best: Projection) -> tuple[NDArray[np.int64], NDArray[np.int32], Floats]:
@@ -187,7 +185,9 @@ class Projector:
         point = np.flatnonzero(doubtful)
         start, cells, corners = self._fans
         count = start[vertex[point] + 1] - start[vertex[point]]
-        rows = np.repeat(start[vertex[point]], count) + np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+        rows = (
+            np.repeat(start[vertex[point]], count) + np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+        )
         tries = _ROUND[corners[rows]]
         faces = np.repeat(cells[rows], tries.shape[1]).astype(np.int32)
         return np.repeat(np.repeat(point, count), tries.shape[1]), faces, tries.reshape(-1, 2).copy()
@@ -225,7 +225,7 @@ class Projector:
         down = (scaled - low).sum(axis=1) > 1
         up_row = j * SEGMENTS - j * (j - 1) // 2 + i
         down_row = SEGMENTS * (SEGMENTS + 1) // 2 + j * (SEGMENTS - 1) - j * (j - 1) // 2 + i
-        return face.astype(np.int64) * SEGMENTS**2 + np.where(down, down_row, up_row)
+        return np.asarray(face.astype(np.int64) * SEGMENTS**2 + np.where(down, down_row, up_row), np.int64)
 
     @cached_property
     def _corner_uv(self) -> Floats:

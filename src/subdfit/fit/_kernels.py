@@ -69,8 +69,8 @@ def squared_distance_metric(first, second, distance, floor, out):  # type: ignor
     """Write the quadratic form of the squared distance to a surface, seen from each point, into `out` (k, 6).
 
     Along the normal the weight is 1; along a principal direction with radius of curvature rho it is d / (d + rho)
-    (Pottmann and Hofer 2003, with signs dropped as Lavoue et al. do), and `floor` at least. `first` (k, 2, 3) and `second`
-    (k, 3, 3) are the surface's derivatives at the footpoint, `distance` (k,) is d.
+    (Pottmann and Hofer 2003, with signs dropped as Lavoue et al. do), and `floor` at least. `first` (k, 2, 3) and
+    `second` (k, 3, 3) are the surface's derivatives at the footpoint, `distance` (k,) is d.
     """
     for k in range(len(first)):
         ux, uy, uz = first[k, 0, 0], first[k, 0, 1], first[k, 0, 2]

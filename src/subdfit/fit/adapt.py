@@ -102,4 +102,4 @@ def large_enough(state: FitState, faces: NDArray[np.int64]) -> NDArray[np.int64]
     mesh = state.surface.control_mesh
     corners = mesh.points[mesh.topology.triangles[faces]]
     length = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
-    return faces[length > state.data.spacing]
+    return np.asarray(faces[length > state.data.spacing])

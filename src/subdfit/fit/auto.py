@@ -5,7 +5,16 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from subdfit.fit.adapt import all_sides, close_editor, face_maxima, large_enough, longest_sides, open_editor, place_subdivided, side_marks
+from subdfit.fit.adapt import (
+    all_sides,
+    close_editor,
+    face_maxima,
+    large_enough,
+    longest_sides,
+    open_editor,
+    place_subdivided,
+    side_marks,
+)
 from subdfit.fit.reverse import Strays, strays
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState

@@ -14,8 +14,8 @@ from subdfit.fit.auto import Auto
 from subdfit.fit.data import FitData
 from subdfit.fit.fitter import Fitter
 from subdfit.fit.geometric import Geometric
-from subdfit.fit.reverse import strays
 from subdfit.fit.result import FitResult, Iteration, Status
+from subdfit.fit.reverse import strays
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import badness, within
@@ -182,9 +182,7 @@ def _reverse_within(state: FitState, settings: FitSettings) -> bool:
     return bound is None or len(strays(state, bound)) == 0
 
 
-def _result(
-    run: _Run, state: FitState, measurement: Measurement, interrupted: bool, unit: str | None
-) -> FitResult:
+def _result(run: _Run, state: FitState, measurement: Measurement, interrupted: bool, unit: str | None) -> FitResult:
     tolerance = run.settings.tolerance
     met = tolerance.met(measurement.max, measurement.rms, measurement.mean)
     certified = measurement.certifies(tolerance, cloud=not run.target.is_mesh)

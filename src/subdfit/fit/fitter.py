@@ -10,7 +10,7 @@ class Fitter(Protocol):
 
     Attributes
     ----------
-    two_sided : it also draws a surface that strays back to the target, so that iterating is worth while until none does.
+    two_sided : it also draws a surface that strays back to the target, so that iterating is worth while.
     """
 
     two_sided: bool

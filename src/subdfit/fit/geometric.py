@@ -1,7 +1,7 @@
 """The method ``geometric``: Loop fitting by geometric algorithms (Nishiyama, Morioka and Maekawa 2008), step by step.
 
 No linear system: each control vertex moves by the mean error vector of the points over its one-ring, weighted by their
-barycentric coordinates (equations 3 to 5). Every five iterations control vertices are inserted where the error is large.
+barycentric coordinates (equations 3 to 5). Every five iterations vertices are inserted where the error is large.
 """
 
 from dataclasses import replace
@@ -25,7 +25,7 @@ SETTLED = 1e-4
 
 
 class Geometric:
-    """Nishiyama's algorithm as printed; the boundary step, over-relaxation and momentum are ours and can be switched."""
+    """Nishiyama's algorithm as printed; the boundary step, over-relaxation and momentum are ours."""
 
     two_sided = False
 
@@ -102,7 +102,7 @@ class Geometric:
         return moved.with_curves_of(surface)
 
     def insert_control_vertices(self, state: FitState) -> FitState:
-        """Topological adjustment (section 5): 1-to-4 splits with crack-fixing, regularisation, angle-improving flips."""
+        """Topological adjustment (section 5): 1-to-4 splits with crack-fixing, regularisation, flips for angles."""
         self._settled = None
         self._before, self._momentum = None, 1.0
         tolerance = self.settings.tolerance
@@ -122,7 +122,7 @@ class Geometric:
         return close_editor(editor, state)
 
     def _faces_to_split(self, state: FitState) -> NDArray[np.bool_]:
-        """Regions where the error does not become small enough: the face maximum, or its mean where only that is asked."""
+        """Where the error does not become small enough: the face maximum, or its mean where only that is asked."""
         tolerance, errors = self.settings.tolerance, state.errors
         chosen = np.zeros(state.surface.domain.face_count, np.bool_)
         if tolerance.max is not None:

@@ -30,7 +30,6 @@ class Strays:
         """Number of samples."""
         return len(self.face)
 
-
     def joined(self, other: "Strays") -> "Strays":
         """Both, each sample once."""
         face = np.concatenate([self.face, other.face])

@@ -21,7 +21,7 @@ class FitSettings:
     sample_spacing : faces of the target with longer sides are sampled inside.
     over_relaxation : factor on the displacements of ``geometric`` (1 is the paper's).
     nesterov : accelerate ``geometric`` by Nesterov's momentum.
-    boundary_step : move the boundary control vertices of ``geometric`` by boundary data alone; the paper has no such step.
+    boundary_step : boundary control vertices of ``geometric`` move by boundary data alone; not in the paper.
     """
 
     scheme: str = "loop"

@@ -18,7 +18,7 @@ FOOTPOINT_TOLERANCE = 1e-6
 
 @dataclass(frozen=True)
 class Errors:
-    """One-sided errors of the vertices, as shares of the diagonal; `excess` is the largest of what tolerance applies to.
+    """One-sided errors of the vertices, as shares of the diagonal; `excess` is the largest that tolerance applies to.
 
     `excess` also counts samples inside faces, each less its allowance.
     """
@@ -99,7 +99,9 @@ class FitState:
 
     def verified(self) -> "FitState":
         """All footpoints found globally, from no earlier parameter."""
-        return FitState._complete(self.data, self.surface, Projector(self.surface, FOOTPOINT_TOLERANCE).certain(self.data.points))
+        return FitState._complete(
+            self.data, self.surface, Projector(self.surface, FOOTPOINT_TOLERANCE).certain(self.data.points)
+        )
 
     @property
     def excess(self) -> Floats:

@@ -4,7 +4,7 @@ from subdfit.fit.state import FitState
 from subdfit.measure import Tolerance
 
 CURVE_FACTOR = 2.0
-"""Points on curves may lie this many tolerances from the fitted curve; their distance from the surface is still held."""
+"""Points on curves may lie this many tolerances from the fitted curve; from the surface the tolerance holds."""
 
 
 def within(state: FitState, tolerance: Tolerance) -> bool:
@@ -19,7 +19,11 @@ def within(state: FitState, tolerance: Tolerance) -> bool:
 def badness(state: FitState, tolerance: Tolerance) -> float:
     """Largest ratio of an error to what is asked: at most 1 within tolerance; orders best states."""
     errors = state.errors
-    asked = ((tolerance.max, max(errors.max, errors.excess)), (tolerance.rms, errors.rms), (tolerance.mean, errors.mean))
+    asked = (
+        (tolerance.max, max(errors.max, errors.excess)),
+        (tolerance.rms, errors.rms),
+        (tolerance.mean, errors.mean),
+    )
     return max((value / bound for bound, value in asked if bound), default=errors.max)
 
 

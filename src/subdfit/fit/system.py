@@ -116,7 +116,7 @@ class System:
             self._inverse[t.edge_vertices[t.boundary_edges].ravel()] = 0.0
 
     def _to_control(self, values: Floats) -> Floats:
-        return values[: self._count] + self._local_t @ values[self._count :]
+        return np.asarray(values[: self._count] + self._local_t @ values[self._count :])
 
     def _blocks(self, lumped: Floats) -> Floats:
         """Inverse of the lumped 3 x 3 blocks: the preconditioner."""
@@ -132,12 +132,12 @@ class System:
         out = self._damping * x + self._to_control(self.rows.product(everywhere))
         bent = self._laplacian @ x
         out += self._laplacian.T @ (self._fairness * bent + self._relaxation * self._along(bent))
-        return out
+        return np.asarray(out)
 
     def _along(self, vectors: Floats) -> Floats:
         """Their part in the surface's tangent planes at the vertices."""
         normal = self._normals
-        return vectors - np.einsum("nd,nd->n", vectors, normal)[:, None] * normal
+        return np.asarray(vectors - np.einsum("nd,nd->n", vectors, normal)[:, None] * normal)
 
     def right_side(self) -> Floats:
         """W^T D e of all terms."""

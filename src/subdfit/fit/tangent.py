@@ -127,9 +127,7 @@ def _direction_metric(d: Floats, along: Floats | float, across: float) -> Floats
     return metric
 
 
-def _curve_rows(
-    state: FitState, curve: CurveProjection, rows: NDArray[np.int64], settings: TangentSettings
-) -> Rows:
+def _curve_rows(state: FitState, curve: CurveProjection, rows: NDArray[np.int64], settings: TangentSettings) -> Rows:
     across = _direction_metric(curve.tangent, settings.tangential, 1 / settings.tangential)
     metric = settings.curve_weight * across
     weights = state.surface.patch_weights(curve.face, curve.uv)

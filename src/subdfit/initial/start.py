@@ -67,6 +67,6 @@ def _worst(points: NDArray[np.float64], found: Decimated) -> float:
 
 def default_vertices(points: int, max_error: float) -> int:
     """Vertices to start from, for a number of points and a tolerance as a share of the diagonal."""
-    level = np.clip(np.log(max_error / 5e-4) / np.log(1e-2 / 5e-4), 0.0, 1.0)
-    share = MOST_SHARE * (LEAST_SHARE / MOST_SHARE) ** level
+    level = float(np.clip(np.log(max_error / 5e-4) / np.log(1e-2 / 5e-4), 0.0, 1.0))
+    share: float = MOST_SHARE * (LEAST_SHARE / MOST_SHARE) ** level
     return max(4, round(share * points))

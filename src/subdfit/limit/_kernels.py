@@ -40,8 +40,8 @@ def locate(patches, cell, u, v):  # type: ignore[no-untyped-def]
     patch : row of the patch.
     block : which matrix of its type.
     x, y : the polynomial's own parameters.
-    xu, xv, yu, yv : derivatives of x, y by u, v. At an irregular corner itself, where the scheme's own derivatives vanish
-        or diverge, the polynomial holds limit tangents instead, scaled as at a regular corner.
+    xu, xv, yu, yv : derivatives of x, y by u, v. At an irregular corner itself, where the scheme's own derivatives
+        vanish or diverge, the polynomial holds limit tangents instead, scaled as at a regular corner.
     """
     patch = patches.cell_patch[cell]
     scale = 1.0
@@ -142,7 +142,7 @@ def second_order(c, o, x, y):  # type: ignore[no-untyped-def]
 
 @inlined_kernel
 def coefficients(patches, patch, block, cache, tags):  # type: ignore[no-untyped-def]
-    """Return where in `cache` (48 SLOTS,) the polynomial's coefficients lie; they are gathered only if not there yet."""
+    """Return where in `cache` (48 SLOTS,) the polynomial's coefficients lie, gathered only if not there yet."""
     slot = min(block, SLOTS - 1)
     tag = np.int64(patch) << 16 | block
     if tags[slot] != tag:
@@ -272,8 +272,8 @@ def derivatives(patches, patch, block, x, y, xu, xv, yu, yv, out, cache, tags): 
 def expand(patches, cell, u, v, out, cache, tags):  # type: ignore[no-untyped-def]
     """Write S and its first and second derivatives at (u, v) into `out` (18,), three coordinates each.
 
-    At an irregular corner the first derivatives are those of a point very near, whose directions are true, scaled to the
-    length of the limit tangents, and the second are zero.
+    At an irregular corner the first derivatives are those of a point very near, whose directions are true, scaled to
+    the length of the limit tangents, and the second are zero.
     """
     patch, block, x, y, xu, xv, yu, yv = locate(patches, cell, u, v)
     derivatives(patches, patch, block, x, y, xu, xv, yu, yv, out, cache, tags)

@@ -153,8 +153,8 @@ class LimitSurface:
         Returns
         -------
         Evaluation
-            At an irregular corner itself the scheme's derivatives by u and v vanish or diverge: there `first` holds limit
-            tangents along the two edges, and `second` is zero. Towards irregular corners of other valence than three,
+            At an irregular corner itself the scheme's derivatives by u and v vanish or diverge: there `first` holds
+            limit tangents along the two edges, and `second` is zero. Towards irregular corners of other valence than three,
             second derivatives diverge.
 
             The tangents span the tangent plane, where there is one. Loop's surface has none beside a crease or boundary
@@ -215,7 +215,7 @@ class LimitSurface:
         assert first is not None
         normal = np.cross(first[:, 0], first[:, 1])
         length = np.linalg.norm(normal, axis=1, keepdims=True)
-        return np.divide(normal, length, out=np.zeros_like(normal), where=length > 0)
+        return np.asarray(np.divide(normal, length, out=np.zeros_like(normal), where=length > 0))
 
     def vertex_limits(self) -> Floats:
         """Limit points of the control vertices, (n, 3)."""

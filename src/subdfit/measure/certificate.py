@@ -1,7 +1,7 @@
 """Two-sided errors of a limit surface against a target, and the certificate.
 
-Every number is found afresh: footpoints of all data points by a global search that no earlier parameter can mislead, the
-reverse side from samples of the surface, curves apart.
+Every number is found afresh: footpoints of all data points by a global search that no earlier parameter can mislead,
+the reverse side from samples of the surface, curves apart.
 """
 
 from dataclasses import dataclass

@@ -84,7 +84,7 @@ class Topology:
         if bad >= 0:
             ends = corners[bad], corners[following[bad]]
             raise InputError(
-                f"edge ({ends[0]}, {ends[1]}) has more than two faces or two that disagree in orientation; repair the mesh"
+                f"edge ({ends[0]}, {ends[1]}) has more than two faces or two of unlike orientation; repair the mesh"
             )
         outgoing, valence, bad = outgoing_half_edges(offsets, corners, face, twin, vertex_count)
         if bad >= 0:

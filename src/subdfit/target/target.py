@@ -12,8 +12,8 @@ from subdfit.errors import InputError
 from subdfit.target.bvh import SegmentTree, TriangleTree
 from subdfit.target.curves import boundary_edges
 from subdfit.target.faceting import sagitta
-from subdfit.target.frame import Frame
 from subdfit.target.features import automatic_creases, crease_edges
+from subdfit.target.frame import Frame
 from subdfit.target.normals import vertex_normals
 
 Creases = Literal["auto", "none"] | float
@@ -67,7 +67,8 @@ class Target:
     def on_triangles(self, triangle: NDArray[np.integer], uv: NDArray[np.float64]) -> NDArray[np.float64]:
         """Points (k, 3) at barycentric (1 - u - v, u, v) of triangles (k,)."""
         weights = np.column_stack([1 - uv.sum(axis=1), uv])
-        return np.einsum("kc,kcd->kd", weights, self.points[self.triangles[triangle]])
+        corners = self.points[self.triangles[triangle]]
+        return np.asarray(np.einsum("kc,kcd->kd", weights, corners), np.float64)
 
     def normalised(self, frame: Frame) -> "Target":
         """The same data in the normalised coordinates of a frame."""
