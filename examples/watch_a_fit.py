@@ -21,6 +21,6 @@ result = subdfit.fit(knot, max_error="0.1%", method="geometric", control_vertice
 print(result)
 
 # Too little to reach the tolerance: no exception, but a status, and the best surface that was seen.
-modest = subdfit.fit(knot, max_error="0.01%", max_control_vertices=100)
+modest = subdfit.fit(knot, max_error="0.01%", control_vertices=60, max_control_vertices=100)
 print(modest)
 print(f"status {modest.status}, certified: {modest.certified}")

@@ -87,7 +87,7 @@ class LimitSurface:
     ... )
     >>> surface = LimitSurface(octahedron, "loop")
     >>> surface.evaluate([0], [[1 / 3, 1 / 3]]).position.round(4)
-    array([[0.3106, 0.3106, 0.3106]])
+    array([[0.2352, 0.2352, 0.2352]])
     """
 
     def __init__(self, control_mesh: ControlMesh, scheme: str | Scheme | None = None) -> None:
@@ -154,8 +154,8 @@ class LimitSurface:
         -------
         Evaluation
             At an irregular corner itself the scheme's derivatives by u and v vanish or diverge: there `first` holds
-            limit tangents along the two edges, and `second` is zero. Towards irregular corners of other valence than three,
-            second derivatives diverge.
+            limit tangents along the two edges, and `second` is zero. Towards irregular corners of other valence than
+            three, second derivatives diverge.
 
             The tangents span the tangent plane, where there is one. Loop's surface has none beside a crease or boundary
             vertex in a sector (between two sharp edges) of six faces or more, nor beside a corner vertex in a sector of

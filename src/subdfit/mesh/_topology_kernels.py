@@ -22,57 +22,66 @@ def repeated_vertex(face_offsets, face_vertices, vertex_count):  # type: ignore[
 def pair_half_edges(face_offsets, face_vertices, vertex_count):  # type: ignore[no-untyped-def]
     """Match opposite half-edges in time linear in the faces.
 
-    Half-edges are bucketed by their lower vertex; each bucket, a handful long, is searched directly.
+    Each half-edge is looked up among the earlier ones of the same lower vertex, a handful, and then filed with them.
 
     Returns
     -------
-    following, face, twin, edge : int32 (h,); `twin` is -1 on the boundary.
-    edge_count : int
-    bad : a half-edge whose edge has a third face or a second face of the same orientation; -1 if none.
+    twin : int32 (h,), -1 on the boundary.
+    origin, target : ends of an edge that has a third face or a second face of the same orientation; -1, -1 if none.
     """
     count = len(face_vertices)
-    following = np.empty(count, np.int32)
-    face = np.empty(count, np.int32)
+    ends = np.empty(count, np.int32)
+    start = np.zeros(vertex_count + 1, np.int32)
     for f in range(len(face_offsets) - 1):
         first, last = face_offsets[f], face_offsets[f + 1] - 1
         for h in range(first, last + 1):
-            following[h] = h + 1
-            face[h] = f
-        following[last] = first
-
-    start = np.zeros(vertex_count + 2, np.int32)
-    for h in range(count):
-        start[min(face_vertices[h], face_vertices[following[h]]) + 2] += 1
+            ends[h] = face_vertices[h + 1 if h < last else first]
+            start[min(face_vertices[h], ends[h]) + 1] += 1
     for v in range(vertex_count):
-        start[v + 2] += start[v + 1]
-    bucket = np.empty(count, np.int32)
-    for h in range(count):
-        low = min(face_vertices[h], face_vertices[following[h]])
-        bucket[start[low + 1]] = h
-        start[low + 1] += 1
+        start[v + 1] += start[v]
 
+    filed = np.empty(count, np.int32)
+    stop = start.copy()
     twin = np.full(count, -1, np.int32)
-    edge = np.full(count, -1, np.int32)
-    edge_count = 0
     for h in range(count):
-        origin, target = face_vertices[h], face_vertices[following[h]]
+        origin, target = face_vertices[h], ends[h]
         low = min(origin, target)
-        for slot in range(start[low], start[low + 1]):
-            other = bucket[slot]
-            if other == h:
-                continue
-            if face_vertices[other] == origin and face_vertices[following[other]] == target:
-                return following, face, twin, edge, 0, h
-            if face_vertices[other] == target and face_vertices[following[other]] == origin:
-                if twin[h] >= 0 and twin[h] != other:
-                    return following, face, twin, edge, 0, h
-                twin[h] = other
-        if twin[h] >= 0 and twin[h] < h:
-            edge[h] = edge[twin[h]]
-        else:
-            edge[h] = edge_count
-            edge_count += 1
-    return following, face, twin, edge, edge_count, -1
+        for slot in range(start[low], stop[low]):
+            other = filed[slot]
+            opposite = face_vertices[other] == target and ends[other] == origin
+            if opposite and twin[other] < 0:
+                twin[h], twin[other] = other, h
+            elif opposite or (face_vertices[other] == origin and ends[other] == target):
+                return twin, origin, target
+        filed[stop[low]] = h
+        stop[low] += 1
+    return twin, -1, -1
+
+
+@kernel
+def link_half_edges(face_offsets, twin):  # type: ignore[no-untyped-def]
+    """Order half-edges round their faces, and number edges as half-edges first meet them.
+
+    Returns
+    -------
+    following, face, edge : int32 (h,).
+    edge_count : int
+    """
+    following = np.empty(len(twin), np.int32)
+    face = np.empty(len(twin), np.int32)
+    edge = np.empty(len(twin), np.int32)
+    edge_count = 0
+    for f in range(len(face_offsets) - 1):
+        first, last = face_offsets[f], face_offsets[f + 1] - 1
+        for h in range(first, last + 1):
+            following[h] = h + 1 if h < last else first
+            face[h] = f
+            if 0 <= twin[h] < h:
+                edge[h] = edge[twin[h]]
+            else:
+                edge[h] = edge_count
+                edge_count += 1
+    return following, face, edge, edge_count
 
 
 @kernel

@@ -8,7 +8,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from subdfit.errors import InputError
-from subdfit.mesh._topology_kernels import find_edges, outgoing_half_edges, pair_half_edges, repeated_vertex
+from subdfit.mesh._topology_kernels import (
+    find_edges,
+    link_half_edges,
+    outgoing_half_edges,
+    pair_half_edges,
+    repeated_vertex,
+)
 from subdfit.mesh.data import SHARP_FOR_EVER
 
 Indices = NDArray[np.int32]
@@ -80,36 +86,49 @@ class Topology:
             that does not exist, or whose sharpness is missing, negative or no number.
         """
         offsets, corners = _faces(face_offsets, face_vertices, vertex_count)
-        following, face, twin, edge, edge_count, bad = pair_half_edges(offsets, corners, vertex_count)
-        if bad >= 0:
-            ends = corners[bad], corners[following[bad]]
-            raise InputError(
-                f"edge ({ends[0]}, {ends[1]}) has more than two faces or two of unlike orientation; repair the mesh"
-            )
-        outgoing, valence, bad = outgoing_half_edges(offsets, corners, face, twin, vertex_count)
+        twin, *bad = pair_half_edges(offsets, corners, vertex_count)
+        if bad[0] >= 0:
+            what = "more than two faces or two that disagree in orientation"
+            raise InputError(f"edge ({bad[0]}, {bad[1]}) has {what}; repair the mesh")
+        topology = cls.from_twins(offsets, corners, twin, vertex_count)
+        if vertex_count and topology.valence.min() == 0:
+            vertex = int(np.argmin(topology.valence))
+            raise InputError(f"vertex {vertex} belongs to no face; remove isolated vertices")
+        creases = topology._edges_between(_rows([] if crease_edges is None else crease_edges, 2, "crease edges"))
+        topology.sharpness[creases] = _tags(crease_sharpness, len(creases), "crease")
+        topology.sharpness[topology.boundary_edges] = np.inf
+        tagged = _corner_vertices([] if corner_vertices is None else corner_vertices, vertex_count)
+        topology.corner_sharpness[tagged] = _tags(corner_sharpness, len(tagged), "corner")
+        return topology
+
+    @classmethod
+    def from_twins(cls, face_offsets: Indices, face_vertices: Indices, twin: Indices, vertex_count: int) -> "Topology":
+        """Build from sound faces whose half-edges are paired already; only the boundary is sharp.
+
+        Raises
+        ------
+        InputError
+            A vertex joins separate fans of faces.
+        """
+        following, face, edge, edge_count = link_half_edges(face_offsets, twin)
+        outgoing, valence, bad = outgoing_half_edges(face_offsets, face_vertices, face, twin, vertex_count)
         if bad >= 0:
             raise InputError(f"vertex {bad} joins separate fans of faces; split it into one vertex a fan")
-        if vertex_count and valence.min() == 0:
-            raise InputError(f"vertex {int(np.argmin(valence))} belongs to no face; remove isolated vertices")
-        plain = cls(
+        sharpness = np.zeros(edge_count)
+        sharpness[edge[twin < 0]] = np.inf
+        return cls(
             vertex_count,
-            offsets,
-            corners,
+            face_offsets,
+            face_vertices,
             following,
             face,
             twin,
             edge,
             outgoing,
             valence,
-            np.zeros(edge_count),
+            sharpness,
             np.zeros(vertex_count),
         )
-        creases = plain._edges_between(_rows([] if crease_edges is None else crease_edges, 2, "crease edges"))
-        plain.sharpness[creases] = _tags(crease_sharpness, len(creases), "crease")
-        plain.sharpness[edge[twin < 0]] = np.inf
-        tagged = _corner_vertices([] if corner_vertices is None else corner_vertices, vertex_count)
-        plain.corner_sharpness[tagged] = _tags(corner_sharpness, len(tagged), "corner")
-        return plain
 
     @classmethod
     def from_triangles(cls, triangles: ArrayLike, vertex_count: int, **tags: ArrayLike | None) -> "Topology":
@@ -218,7 +237,10 @@ def _offsets(face_offsets: ArrayLike, corner_count: int) -> Indices:
 
 def _whole(values: ArrayLike, what: str) -> Whole:
     """An array of whole numbers, of whatever type it has."""
-    array = np.asarray(values)
+    try:
+        array = np.asarray(values)
+    except ValueError as error:
+        raise InputError(f"{what} come in rows of unlike length; give an array") from error
     if array.dtype.kind not in "iuf" or (array.dtype.kind == "f" and not np.array_equal(array, np.floor(array))):
         raise InputError(f"{what} are not whole numbers; give integers")
     return array

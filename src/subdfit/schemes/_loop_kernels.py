@@ -2,92 +2,95 @@
 
 import numpy as np
 
-from subdfit.compiled import kernel
+from subdfit.compiled import inlined_kernel, kernel
 
 
-@kernel
+@inlined_kernel
 def before(h):  # type: ignore[no-untyped-def]
     """Half-edge before `h` in its triangle."""
     return h + 2 if h % 3 == 0 else h - 1
 
 
-@kernel
+@inlined_kernel
 def after(h):  # type: ignore[no-untyped-def]
     """Half-edge after `h` in its triangle."""
     return h - 2 if h % 3 == 2 else h + 1
 
 
 @kernel
-def sector(h, twin, sharp):  # type: ignore[no-untyped-def]
-    """Faces round the origin of `h` between sharp edges.
+def split_triangles(face_vertices, twin, edge, vertex_count):  # type: ignore[no-untyped-def]
+    """Cut each triangle in four: one child at each corner, then the middle one.
+
+    The child at the corner where half-edge h begins holds the first half of h, as half-edge 4 h; the second half
+    is the half-edge before the first half of the next.
 
     Returns
     -------
-    first : outgoing half-edge where the sector begins (`h` itself if no edge bounds it).
-    faces : number of faces in it.
-    position : how many faces lie between its beginning and the face of `h`.
-    closed : whether it goes all the way round (at most one sharp edge, which is then where it begins).
+    face_vertices, twin : int32 (4 h,) of the children; the vertex in the middle of edge e is row vertex_count + e.
     """
-    first, position, closed = h, 0, False
-    while not sharp[first]:
-        first = after(twin[first])
-        position += 1
-        if first == h:
-            position, closed = 0, True
-            break
-    faces, last = 1, before(first)
-    while not sharp[last] and twin[last] != first:
-        last = before(twin[last])
-        faces += 1
-    if not closed and twin[last] >= 0 and twin[last] == first:
-        closed = True
-    return first, faces, position, closed
-
-
-@kernel
-def child_faces(face_vertices, edge, vertex_count):  # type: ignore[no-untyped-def]
-    """Vertices of the four children of each triangle: one at each corner, then the middle one."""
-    count = len(face_vertices) // 3
-    children = np.empty((4 * count, 3), np.int32)
-    for f in range(count):
-        a, b, c = face_vertices[3 * f], face_vertices[3 * f + 1], face_vertices[3 * f + 2]
-        ab, bc, ca = (
-            vertex_count + edge[3 * f],
-            vertex_count + edge[3 * f + 1],
-            vertex_count + edge[3 * f + 2],
-        )
-        children[4 * f, 0], children[4 * f, 1], children[4 * f, 2] = a, ab, ca
-        children[4 * f + 1, 0], children[4 * f + 1, 1], children[4 * f + 1, 2] = ab, b, bc
-        children[4 * f + 2, 0], children[4 * f + 2, 1], children[4 * f + 2, 2] = ca, bc, c
-        children[4 * f + 3, 0], children[4 * f + 3, 1], children[4 * f + 3, 2] = bc, ca, ab
-    return children
+    count = len(face_vertices)
+    child_vertices = np.empty(4 * count, np.int32)
+    child_twin = np.full(4 * count, -1, np.int32)
+    for h in range(count):
+        half = 4 * h
+        child_vertices[half] = face_vertices[h]
+        child_vertices[after(half)] = vertex_count + edge[h]
+        child_vertices[before(half)] = vertex_count + edge[before(h)]
+        middle = 12 * (h // 3) + 9 + before(h) % 3
+        child_vertices[middle] = vertex_count + edge[h]
+        # The middle child's side from the edge before h to h faces the child at h's origin.
+        child_twin[after(half)] = before(middle)
+        child_twin[before(middle)] = after(half)
+        if twin[h] >= 0:
+            child_twin[half] = before(4 * after(twin[h]))
+            child_twin[before(4 * after(h))] = 4 * twin[h]
+    return child_vertices, child_twin
 
 
 @kernel
 def corner_sectors(face_vertices, twin, sharp, sharp_count, pinned):  # type: ignore[no-untyped-def]
-    """Describe the sector at every face corner.
+    """Describe the sector at every face corner: the faces round its vertex between sharp edges, counter-clockwise.
 
     Returns
     -------
-    first : int32 (h,), outgoing half-edge where the sector begins.
-    faces, position : int32 (h,).
+    first : int32 (h,), outgoing half-edge where the sector begins: at a sharp edge, or anywhere if there is none.
+    faces, position : int32 (h,), faces in the sector, and how many lie before this one.
     regular : bool (h,): six smooth faces all round, or three between two sharp edges, and not a corner.
     """
     count = len(face_vertices)
-    first = np.empty(count, np.int32)
+    first = np.full(count, -1, np.int32)
     faces = np.empty(count, np.int32)
     position = np.empty(count, np.int32)
     regular = np.empty(count, np.bool_)
     for h in range(count):
+        if first[h] >= 0:
+            continue
+        begin = h
+        while not sharp[begin]:
+            begin = after(twin[begin])
+            if begin == h:
+                break
+        g, size = begin, 0
+        while True:
+            first[g] = begin
+            position[g] = size
+            size += 1
+            last = before(g)
+            g = twin[last]
+            if sharp[last] or g == begin:
+                break
         v = face_vertices[h]
-        first[h], faces[h], position[h], _ = sector(h, twin, sharp)
-        smooth = sharp_count[v] == 0 and faces[h] == 6
-        crease = sharp_count[v] == 2 and faces[h] == 3
-        regular[h] = (smooth or crease) and not pinned[v]
+        smooth = sharp_count[v] == 0 and size == 6
+        crease = sharp_count[v] == 2 and size == 3
+        g = begin
+        for _ in range(size):
+            faces[g] = size
+            regular[g] = (smooth or crease) and not pinned[v]
+            g = twin[before(g)]
     return first, faces, position, regular
 
 
-@kernel
+@inlined_kernel
 def mirror_point(h, offset, face_vertices, mirrors, mirror_corners, used):  # type: ignore[no-untyped-def]
     """Row of the point beyond sharp half-edge `h`, mirrored from its own face: origin + end - apex."""
     if mirrors[h] < 0:
@@ -99,26 +102,24 @@ def mirror_point(h, offset, face_vertices, mirrors, mirror_corners, used):  # ty
     return offset + mirrors[h]
 
 
-@kernel
-def regular_ring(h, out, sizes, at, face_vertices, twin, sharp, mirrors, mirror_corners, used):  # type: ignore[no-untyped-def]
+@inlined_kernel
+def regular_ring(h, out, sizes, at, face_vertices, twin, first, faces, position, mirrors, mirror_corners, used):  # type: ignore[no-untyped-def]
     """Write the six neighbours of a regular vertex, counter-clockwise, from the end of its half-edge `h`.
 
     Beyond sharp edges stand mirror points: with them Loop's smooth rules reproduce its boundary and crease rules.
     `sizes` holds the row offsets of this level's vertices and of its mirror points.
     """
-    first, faces, position, _ = sector(h, twin, sharp)
     vertices, offset = sizes[0], sizes[1]
-    g = first
-    for i in range(faces):
-        out[at + (i - position) % 6] = vertices + face_vertices[after(g)]
+    turn = 6 - position[h]
+    last = -1
+    for i in range(faces[h]):
+        g = twin[last] if i else first[h]
+        out[at + (i + turn) % 6] = vertices + face_vertices[after(g)]
         last = before(g)
-        if i + 1 < faces:
-            g = twin[last]
-    if faces == 3:
-        last = before(g)
-        out[at + (3 - position) % 6] = vertices + face_vertices[last]
-        out[at + (4 - position) % 6] = mirror_point(last, offset, face_vertices, mirrors, mirror_corners, used)
-        out[at + (5 - position) % 6] = mirror_point(first, offset, face_vertices, mirrors, mirror_corners, used)
+    if faces[h] == 3:
+        out[at + (3 + turn) % 6] = vertices + face_vertices[last]
+        out[at + (4 + turn) % 6] = mirror_point(last, offset, face_vertices, mirrors, mirror_corners, used)
+        out[at + (5 + turn) % 6] = mirror_point(first[h], offset, face_vertices, mirrors, mirror_corners, used)
 
 
 @kernel
@@ -129,10 +130,10 @@ def patch_points(  # type: ignore[no-untyped-def]
     sizes,
     face_vertices,
     twin,
-    sharp,
     sharp_count,
     first,
     faces,
+    position,
     mirrors,
     mirror_corners,
     used,
@@ -152,7 +153,7 @@ def patch_points(  # type: ignore[no-untyped-def]
         at += 1
         smooth = sharp_count[face_vertices[h]] == 0
         if start[k + 1] - start[k] == 12 and faces[h] == 3:
-            regular_ring(h, out, sizes, at, face_vertices, twin, sharp, mirrors, mirror_corners, used)
+            regular_ring(h, out, sizes, at, face_vertices, twin, first, faces, position, mirrors, mirror_corners, used)
             at += 6
         else:
             g = h if smooth else first[h]
@@ -166,12 +167,16 @@ def patch_points(  # type: ignore[no-untyped-def]
                 out[at] = sizes[0] + face_vertices[before(g)]
                 at += 1
         # Round a from b: V, then V's other side, a2, a1, o.
-        regular_ring(after(h), ring, sizes, 0, face_vertices, twin, sharp, mirrors, mirror_corners, used)
+        regular_ring(
+            after(h), ring, sizes, 0, face_vertices, twin, first, faces, position, mirrors, mirror_corners, used
+        )
         out[at] = ring[5]
         out[at + 1] = ring[4]
         out[at + 2] = ring[3]
         # Round b from V: a, o, b1, b2, V's other side.
-        regular_ring(before(h), ring, sizes, 0, face_vertices, twin, sharp, mirrors, mirror_corners, used)
+        regular_ring(
+            before(h), ring, sizes, 0, face_vertices, twin, first, faces, position, mirrors, mirror_corners, used
+        )
         out[at + 3] = ring[3]
         out[at + 4] = ring[4]
     return out

@@ -62,19 +62,11 @@ class Loop:
         Vertices keep their rows; the new vertex of edge e is row n + e.
         """
         t = topology
-        children = kernels.child_faces(t.face_vertices, t.edge, t.vertex_count)
-        ends = t.edge_vertices
-        halves = np.concatenate([np.column_stack([end, t.vertex_count + np.arange(t.edge_count)]) for end in ends.T])
-        tagged = np.tile((t.sharpness > 0) & ~t.boundary_edges, 2)
-        child = Topology.from_faces(
-            np.arange(0, 3 * len(children) + 1, 3),
-            children.ravel(),
-            t.vertex_count + t.edge_count,
-            halves[tagged],
-            np.tile(t.sharpness, 2)[tagged],
-            np.flatnonzero(t.corner_sharpness > 0),
-            t.corner_sharpness[t.corner_sharpness > 0],
-        )
+        corners, twin = kernels.split_triangles(t.face_vertices, t.twin, t.edge, t.vertex_count)
+        offsets = np.arange(0, len(corners) + 1, 3, dtype=np.int32)
+        child = Topology.from_twins(offsets, corners, twin, t.vertex_count + t.edge_count)
+        child.sharpness[child.edge[::4]] = t.sharpness[t.edge]
+        child.corner_sharpness[: t.vertex_count] = t.corner_sharpness
         matrix = sp.csr_array(sp.vstack([_vertex_rows(t), _edge_rows(t)], format="csr"))
         return Refinement(child, matrix, np.arange(t.vertex_count), t.vertex_count + np.arange(t.edge_count))
 
@@ -109,7 +101,11 @@ def _on_boundary(t: Topology) -> NDArray[np.bool_]:
 
 
 def _sharp_count(t: Topology) -> NDArray[np.int64]:
-    return np.bincount(t.edge_vertices[t.sharpness > 0].ravel(), minlength=t.vertex_count)
+    """Sharp edges at each vertex: those that leave it, and one of the boundary that arrives."""
+    sharp = _sharp_half_edges(t)
+    leaving = np.bincount(t.face_vertices[sharp], minlength=t.vertex_count)
+    arriving = np.bincount(t.face_vertices[t.following[t.twin < 0]], minlength=t.vertex_count)
+    return leaving + arriving
 
 
 def _vertex_kinds(t: Topology) -> tuple[NDArray[np.bool_], ...]:
@@ -173,12 +169,15 @@ def _edge_rows(t: Topology) -> sp.csr_array:
 
 def _dart_limits(t: Topology, darts: NDArray[np.int64]) -> sp.csr_array:
     """Limit rows of darts, whose mask is not the smooth one because their sharp edge takes its midpoint."""
-    sharp = _sharp_half_edges(t)
+    shape = (t.vertex_count, t.vertex_count)
+    if not len(darts):
+        return sp.csr_array(shape)
+    first = _Sectors.of(t).first
     rows: list[NDArray[np.int64]] = []
     columns: list[list[int]] = []
     values: list[NDArray[np.float64]] = []
     for v in darts:
-        h, *_ = kernels.sector(int(t.outgoing[v]), t.twin, sharp)
+        h = first[t.outgoing[v]]
         ring = [int(v)]
         for _ in range(int(t.valence[v])):
             ring.append(int(t.face_vertices[t.following[h]]))
@@ -186,9 +185,6 @@ def _dart_limits(t: Topology, darts: NDArray[np.int64]) -> sp.csr_array:
         columns.append(ring)
         rows.append(np.full(len(ring), v))
         values.append(limit_mask(CornerType(len(ring) - 1, 0, closed=True, dart=True, pinned=False)))
-    shape = (t.vertex_count, t.vertex_count)
-    if not rows:
-        return sp.csr_array(shape)
     return sp.csr_array((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
 
 
@@ -284,10 +280,10 @@ def _level_patches(s: _Sectors, chosen: NDArray[np.int64], vertices: int, mirror
         np.array([vertices, mirrors]),
         s.topology.face_vertices,
         s.topology.twin,
-        s.sharp,
         s.sharp_count,
         s.first,
         s.faces,
+        s.position,
         mirror_of,
         mirror_corners,
         used,
