@@ -60,7 +60,7 @@ class LimitSurface(limit.LimitSurface):
     >>> surface = LimitSurface(octahedron)
     >>> found = surface.closest([[2.0, 0.0, 0.0]])
     >>> surface.evaluate(found.face, found.uv).position.round(4)
-    array([[0.5217, 0.    , 0.    ]])
+    array([[0.4364, 0.    , 0.    ]])
     """
 
     def __init__(self, control_mesh: ControlMesh | MeshSource, scheme: str | Scheme | None = None) -> None:

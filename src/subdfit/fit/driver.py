@@ -30,6 +30,8 @@ logger = logging.getLogger(__name__)
 
 METHODS: dict[str, Callable[[FitSettings], Fitter]] = {"auto": Auto, "geometric": Geometric}
 
+REVERSE_PATIENCE, REVERSE_GROWTH = 40, 1.15
+"""Iterations, and factor of control vertices, spent on the reverse side after the data's side is within tolerance."""
 PATIENCE = 24
 """Iterations without a better state, at the budget of control vertices, after which the best is returned."""
 
@@ -70,6 +72,7 @@ class _Run:
     best: FitState | None = None
     best_value: float = np.inf
     best_iteration: int = 0
+    first_within: tuple[int, int] | None = None
 
     def record(self, stage: str, state: FitState) -> None:
         """Note an iteration, keep the best state, tell the caller."""
@@ -85,6 +88,14 @@ class _Run:
         if self.callback is not None:
             mesh = self.outside(state)
             self.callback(Progress(stage, row.iteration, count, errors.max, errors.rms, elapsed, mesh))
+
+    def spent_on_reverse(self, state: FitState) -> bool:
+        """Whether, once the data's side is within tolerance, enough was tried for the reverse side."""
+        count = state.surface.topology.vertex_count
+        if self.first_within is None:
+            self.first_within = (len(self.history), count)
+        iteration, vertices = self.first_within
+        return len(self.history) - iteration > REVERSE_PATIENCE or count > REVERSE_GROWTH * vertices
 
     def outside(self, state: FitState) -> ControlMesh:
         """The state's control mesh in the target's coordinates."""
@@ -135,7 +146,7 @@ def fit_target(
     clock = time.perf_counter()
     inside = target.normalised(run.frame)
     data = FitData.of(inside, settings.sample_spacing)
-    mesh = start_mesh(inside, settings.control_vertices, settings.tolerance.max)
+    mesh = start_mesh(inside, settings.control_vertices, settings.tolerance.max, settings.max_control_vertices)
     run.timed("start", clock)
     clock = time.perf_counter()
     state = FitState.start(data, LimitSurface(mesh, settings.scheme))
@@ -167,6 +178,8 @@ def _iterate(run: _Run, state: FitState) -> FitState:
             run.timed("verification", clock)
             if within(state, settings.tolerance):
                 return state
+        if within(state, settings.tolerance) and run.spent_on_reverse(state):
+            return state
         state = fitter.advance(state)
         run.record("fit", state)
         budget = settings.max_control_vertices

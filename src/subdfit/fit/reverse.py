@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from subdfit.fit.state import FitState
 from subdfit.limit.tessellate import lattice
-from subdfit.measure import REVERSE_SEGMENTS
+from subdfit.measure import reverse_segments
 
 Floats = NDArray[np.float64]
 
@@ -59,7 +59,7 @@ def strays(state: FitState, bound: float) -> Strays:
     """
     if not state.data.target.is_mesh:
         return Strays(np.empty(0, np.int32), np.empty((0, 2)), np.empty((0, 3)))
-    grid = lattice(state.surface.domain, REVERSE_SEGMENTS)
+    grid = lattice(state.surface.domain, reverse_segments(state.surface.domain.face_count))
     gap = gaps(state, grid.face, grid.uv)
     far = np.flatnonzero(np.linalg.norm(gap, axis=1) > bound)
     return Strays(grid.face[far], np.ascontiguousarray(grid.uv[far]), gap[far])

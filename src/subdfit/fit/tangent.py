@@ -78,6 +78,9 @@ def surface_rows(state: FitState, settings: TangentSettings) -> Rows:
     metric = np.empty((len(order), 6))
     residual = state.data.points[order] - value.position
     distance = np.linalg.norm(residual, axis=1)
+    # A sample inside a face pulls by what exceeds its allowance: the facet is not the surface.
+    beyond = np.maximum(distance - state.data.allowance[order], 0.0)
+    residual *= np.divide(beyond, distance, out=np.zeros_like(distance), where=distance > 0)[:, None]
     kernels.squared_distance_metric(value.first, value.second, distance, settings.tangential, metric)
     return Rows(*state.surface.patch_weights(face, uv), metric, residual)
 

@@ -20,7 +20,7 @@ LARGEST_SHARE = 0.25
 """Share of the points at which doubling ends."""
 
 
-def start_mesh(target: Target, vertices: int | None, max_error: float | None) -> ControlMesh:
+def start_mesh(target: Target, vertices: int | None, max_error: float | None, budget: int | None = None) -> ControlMesh:
     """Decimate the target.
 
     Parameters
@@ -33,6 +33,8 @@ def start_mesh(target: Target, vertices: int | None, max_error: float | None) ->
         more than `COARSEST` tolerances, as thin parts of few points do.
     max_error
         The tolerance as a share of the diagonal; None counts as .1 %.
+    budget
+        Most vertices that are chosen here; None is unbounded.
 
     Raises
     ------
@@ -48,9 +50,10 @@ def start_mesh(target: Target, vertices: int | None, max_error: float | None) ->
         found = decimate(points, triangles, vertices, crease_edges=creases)
     else:
         bound = max_error or 1e-3
-        wanted = default_vertices(len(points), bound)
+        most = min(LARGEST_SHARE * len(points), budget or np.inf)
+        wanted = int(min(default_vertices(len(points), bound), budget or np.inf))
         found = decimate(points, triangles, wanted, crease_edges=creases)
-        while _worst(points, found) > COARSEST * bound and wanted < LARGEST_SHARE * len(points):
+        while _worst(points, found) > COARSEST * bound and 2 * wanted <= most:
             wanted *= 2
             found = decimate(points, triangles, wanted, crease_edges=creases)
     if found.message:

@@ -1,5 +1,5 @@
 """Two-sided errors and the certificate."""
 
-from subdfit.measure.certificate import REVERSE_SEGMENTS, CurveErrors, Measurement, Tolerance, measure
+from subdfit.measure.certificate import CurveErrors, Measurement, Tolerance, measure, reverse_segments
 
-__all__ = ["REVERSE_SEGMENTS", "CurveErrors", "Measurement", "Tolerance", "measure"]
+__all__ = ["CurveErrors", "Measurement", "Tolerance", "measure", "reverse_segments"]

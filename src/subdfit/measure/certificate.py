@@ -18,8 +18,9 @@ from subdfit.target.target import Target
 
 Floats = NDArray[np.float64]
 
-REVERSE_SEGMENTS = 4
-"""Segments a cell side when the surface is sampled: sixteen samples a control vertex of a triangle mesh."""
+FEWEST_SEGMENTS, MOST_SEGMENTS, MANY_SAMPLES = 4, 8, 200_000
+"""Segments a cell side when the surface is sampled: sixteen samples a control vertex of a triangle mesh at least,
+sixty-four where that does not make more samples than this."""
 
 
 @dataclass(frozen=True)
@@ -118,9 +119,15 @@ def measure(surface: LimitSurface, target: Target, spacing: float, diagonal: flo
     )
 
 
+def reverse_segments(faces: int) -> int:
+    """Segments a cell side for samples of the surface: more where cells are few and therefore large."""
+    wanted = int(np.sqrt(2 * MANY_SAMPLES / max(faces, 1)))
+    return min(max(wanted, FEWEST_SEGMENTS), MOST_SEGMENTS)
+
+
 def _reverse(surface: LimitSurface, target: Target) -> tuple[Floats, Floats]:
     """Distances of surface samples from the target, and the sagitta each is allowed."""
-    grid = lattice(surface.domain, REVERSE_SEGMENTS)
+    grid = lattice(surface.domain, reverse_segments(surface.domain.face_count))
     samples = surface.evaluate(grid.face, grid.uv).position
     if not target.is_mesh:
         return target.nearest_point(samples), np.zeros(len(samples))

@@ -96,6 +96,7 @@ class Topology:
             raise InputError(f"vertex {vertex} belongs to no face; remove isolated vertices")
         creases = topology._edges_between(_rows([] if crease_edges is None else crease_edges, 2, "crease edges"))
         topology.sharpness[creases] = _tags(crease_sharpness, len(creases), "crease")
+        # A tag cannot soften the boundary.
         topology.sharpness[topology.boundary_edges] = np.inf
         tagged = _corner_vertices([] if corner_vertices is None else corner_vertices, vertex_count)
         topology.corner_sharpness[tagged] = _tags(corner_sharpness, len(tagged), "corner")

@@ -142,7 +142,7 @@ def patch_points(  # type: ignore[no-untyped-def]
 
     The order is: the corner vertex V; its ring, counter-clockwise, from the sector's beginning (from the face itself
     where the sector is closed and smooth); then five outer points. With a, b the other two corners: the vertex o beyond
-    edge ab, the two outer neighbours of a (from V's side to o), the two of b (from o to V's side).
+    edge ab, the two outer neighbours of a (from o to V's side), the two of b (from o to V's side).
     """
     out = np.empty(start[len(chosen)], np.int32)
     ring = np.empty(6, np.int32)
