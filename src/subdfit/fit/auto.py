@@ -20,7 +20,7 @@ from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import CURVE_FACTOR, badness, error_that_matters
 from subdfit.fit.system import Rows
-from subdfit.fit.tangent import TangentSettings, merit, reverse_rows, tangent_step
+from subdfit.fit.tangent import TangentSettings, merit, pull, reverse_rows, sparse_samples, tangent_step
 
 STEPS = 3
 """Steps between adaptations."""
@@ -33,7 +33,7 @@ NEARLY = 1.5
 """Errors within this many tolerances are nearly there: the reverse side is looked at."""
 DAMPING_RANGE = (1e-6, 1.0)
 GIVE = 1.05
-"""A step is kept if it raises the data's error by no more than this factor; the driver keeps the best state."""
+"""A step is kept if it raises the error by no more than this factor; the driver keeps the best state."""
 STRAY_WEIGHT = 10.0
 """Weight of a sample of the surface that strayed, against a data point."""
 
@@ -49,6 +49,7 @@ class Auto:
         self._damping = self.weights.damping
         self._steps = 0
         self._watched: Strays | None = None
+        self._sampled: tuple[FitState, Strays] | None = None
 
     def advance(self, state: FitState) -> FitState:
         """One step, kept if the true error falls; every `STEPS` steps the control mesh is adapted first."""
@@ -56,14 +57,15 @@ class Auto:
             self._steps = 0
             state = self.adapt(state)
         self._steps += 1
-        extra = self._stray_rows(state)
-        before = merit(state, self.weights)
         bound = error_that_matters(self.settings.tolerance)
-        points = tangent_step(state, self.weights, self._damping, bound, extra, self.settings.fixed_boundary)
+        samples = self._samples(state)
+        rows = [*self._sample_rows(state, samples, bound), *self._stray_rows(state)]
+        points = tangent_step(state, self.weights, self._damping, rows, self.settings.fixed_boundary)
         moved = state.moved(points)
         low, high = DAMPING_RANGE
-        # A step also serves what is no data: strays, folds, the mesh's shape. These may cost the data a little.
-        if merit(moved, self.weights) < GIVE * before:
+        # A step also serves what is in no error: the shape of the control mesh. That may cost a little.
+        before = merit(state, samples, self.weights, bound)
+        if merit(moved, self._samples(moved), self.weights, bound) < GIVE * before:
             self._damping = max(self._damping / 3, low)
             return moved
         self._damping = min(self._damping * 10, high)
@@ -94,6 +96,18 @@ class Auto:
             editor.improve_angles(region, max_rise=0)
         self._watched = None
         return close_editor(editor, state)
+
+    def _samples(self, state: FitState) -> Strays:
+        """Samples of the state's sparse faces, found once a state."""
+        if self._sampled is None or self._sampled[0] is not state:
+            self._sampled = (state, sparse_samples(state))
+        return self._sampled[1]
+
+    def _sample_rows(self, state: FitState, samples: Strays, bound: float) -> list[Rows]:
+        if len(samples) == 0:
+            return []
+        weight = pull(samples, self.weights, bound)
+        return [reverse_rows(state, self.weights, samples.face, samples.uv, samples.gap, weight)]
 
     def _strays(self, state: FitState) -> Strays | None:
         """Samples of the surface that stray, once the data's side is nearly within tolerance."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from subdfit.closest.curves import CurveProjection
 from subdfit.fit import _kernels as kernels
-from subdfit.fit.reverse import gaps
+from subdfit.fit.reverse import Strays, gaps
 from subdfit.fit.state import FitState
 from subdfit.fit.system import Rows, System
 
@@ -53,16 +53,14 @@ def tangent_step(
     state: FitState,
     settings: TangentSettings,
     damping: float,
-    bound: float,
-    extra: list[Rows],
+    reverse: list[Rows],
     fixed_boundary: bool = False,
 ) -> Floats:
     """Control points after one damped step from `state`, (n, 3).
 
-    `bound` is the error that matters; `extra` terms are added to those of the data; with `fixed_boundary` the vertices
-    on the boundary stay.
+    The `reverse` terms are added to those of the data; with `fixed_boundary` the vertices on the boundary stay.
     """
-    rows = [surface_rows(state, settings), *curve_rows(state, settings), *sparse_rows(state, settings, bound), *extra]
+    rows = [surface_rows(state, settings), *curve_rows(state, settings), *reverse]
     system = System(state.surface, rows, damping, settings.fairness, settings.relaxation, fixed_boundary)
     return state.surface.control_mesh.points + system.solve()
 
@@ -94,22 +92,20 @@ def curve_rows(state: FitState, settings: TangentSettings) -> list[Rows]:
     return found
 
 
-def sparse_rows(state: FitState, settings: TangentSettings, bound: float) -> list[Rows]:
-    """Rows that draw faces with few data points to the target, as where they would run out beyond a sharp ridge.
-
-    The weight rises steeply, a barrier, from half of `bound` on, up to `MOST_PULL` times.
-    """
-    if not state.data.target.is_mesh or settings.reverse_weight == 0:
-        return []
+def sparse_samples(state: FitState) -> Strays:
+    """Samples of the faces with few data points and their gaps to the target; a point cloud has none."""
     count = np.bincount(state.face, minlength=state.surface.domain.face_count)
     sparse = np.flatnonzero(count < SPARSE).astype(np.int32)
-    if len(sparse) == 0:
-        return []
+    if not state.data.target.is_mesh:
+        sparse = sparse[:0]
     face, uv = np.repeat(sparse, len(SPARSE_UV)), np.tile(SPARSE_UV, (len(sparse), 1))
-    gap = gaps(state, face, uv)
-    beyond = np.linalg.norm(gap, axis=1)
-    pull = np.clip((2 * beyond / bound) ** 4, 1.0, MOST_PULL)
-    return [reverse_rows(state, settings, face, uv, gap, settings.reverse_weight * pull)]
+    return Strays(face, uv, gaps(state, face, uv) if len(face) else np.empty((0, 3)))
+
+
+def pull(samples: Strays, settings: TangentSettings, bound: float) -> Floats:
+    """Weight of each sample: it rises steeply, a barrier, from gaps of half of `bound` on, up to `MOST_PULL` times."""
+    beyond = np.linalg.norm(samples.gap, axis=1)
+    return np.asarray(settings.reverse_weight * np.clip((2 * beyond / bound) ** 4, 1.0, MOST_PULL))
 
 
 def reverse_rows(
@@ -137,7 +133,9 @@ def _curve_rows(state: FitState, curve: CurveProjection, rows: NDArray[np.int64]
     return Rows(*weights, metric, state.data.points[rows] - curve.position)
 
 
-def merit(state: FitState, settings: TangentSettings) -> float:
-    """The true error that decides whether a step is kept: squared distances, curves by their weight."""
-    inside = state.distance[state.data.surface_rows]
-    return float(np.sum(inside**2) + settings.curve_weight * np.sum(state.curve_distances**2))
+def merit(state: FitState, samples: Strays, settings: TangentSettings, bound: float) -> float:
+    """The true energy that decides whether a step is kept: weighted squares of all distances."""
+    inside = np.maximum(state.excess[state.data.surface_rows], 0.0)
+    curves = settings.curve_weight * np.sum(state.curve_distances**2)
+    strays = np.sum(pull(samples, settings, bound) * np.sum(samples.gap**2, axis=1))
+    return float(np.sum(inside**2) + curves + strays)
