@@ -3,8 +3,8 @@
 from subdfit.fit.state import FitState
 from subdfit.measure import Tolerance
 
-CURVE_FACTOR = 2.0
-"""Points on curves may lie this many tolerances from the fitted curve; from the surface the tolerance holds."""
+CURVE_FACTOR = 1.0
+"""Points on curves may lie this many tolerances from the fitted curve."""
 
 
 def within(state: FitState, tolerance: Tolerance) -> bool:
