@@ -1,0 +1,1 @@
+"""Measurements on real models; ``python -m benchmarks`` prints the tables of docs/benchmarks.md."""
