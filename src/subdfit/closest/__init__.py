@@ -1,1 +1,1 @@
-"""TBD."""
+"""Closest points on limit surfaces and on their boundary and crease curves."""

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
 from subdfit.closest import _kernels as kernels
+from subdfit.limit._kernels import order_by_cell
 from subdfit.limit.surface import LimitSurface
 from subdfit.limit.tessellate import lattice
 from subdfit.parallel import map_chunks
@@ -117,8 +118,6 @@ class Projector:
 
     def order(self, face: NDArray[np.int32]) -> NDArray[np.int64]:
         """Order of points by face, in which evaluation is fastest."""
-        from subdfit.limit._kernels import order_by_cell
-
         ordered: NDArray[np.int64] = order_by_cell(face, self.surface.domain.face_count)
         return ordered
 

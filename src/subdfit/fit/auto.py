@@ -29,9 +29,11 @@ CAP = 0.25
 FEW = 0.01
 """When fewer faces than this share are too far off, they are split on all sides and no edge is flipped."""
 LATE_DAMPING = 1e-2
+"""Least damping after a late split, which has few points to hold it."""
 NEARLY = 1.5
 """Errors within this many tolerances are nearly there: the reverse side is looked at."""
 DAMPING_RANGE = (1e-6, 1.0)
+"""Levenberg damping falls by 3 after a step that is kept and rises by 10 after one that is not, within this range."""
 GIVE = 1.05
 """A step is kept if it raises the error by no more than this factor; the driver keeps the best state."""
 STRAY_WEIGHT = 10.0
