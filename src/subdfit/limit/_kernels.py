@@ -268,7 +268,7 @@ def derivatives(patches, patch, block, x, y, xu, xv, yu, yv, out, cache, tags): 
         out[15 + d] = xv * xv * by_xx + 2 * xv * yv * by_xy + yv * yv * by_yy
 
 
-@kernel
+@inlined_kernel
 def expand(patches, cell, u, v, out, cache, tags):  # type: ignore[no-untyped-def]
     """Write S and its first and second derivatives at (u, v) into `out` (18,), three coordinates each.
 
