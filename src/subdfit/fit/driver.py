@@ -77,7 +77,7 @@ class _Run:
     def record(self, stage: str, state: FitState) -> None:
         """Note an iteration, keep the best state, tell the caller."""
         errors = state.errors
-        elapsed = time.perf_counter() - self.begun
+        elapsed = time.perf_counter() - self.begun - (compile_clock.seconds - self.compiled)
         count = state.surface.topology.vertex_count
         row = Iteration(len(self.history), count, errors.max, errors.rms, errors.mean, elapsed)
         self.history.append(row)
