@@ -18,7 +18,8 @@ Status = Literal["within_tolerance", "best_effort", "interrupted"]
 @dataclass(frozen=True)
 class Iteration:
     """One row of a fit's history; errors are shares of the diagonal, seconds count from the start of the fit, without
-    compiling."""
+    compiling.
+    """
 
     iteration: int
     control_vertices: int
