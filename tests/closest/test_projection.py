@@ -1,16 +1,23 @@
 """Footpoints on limit surfaces: never farther than brute force, never farther than their start."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from shapes.parameters import size
 from shapes.zoo import ZOO, mesh_of, scattered
 from subdfit.closest.curves import SurfaceCurves
 from subdfit.closest.projection import Projector
 from subdfit.errors import InputError
+from subdfit.initial import decimate
+from subdfit.io import read
 from subdfit.limit import LimitSurface
 from subdfit.limit.tessellate import lattice
 from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.mesh.repair import mend
+from subdfit.target.frame import Frame
 
 
 def _surface(name: str) -> LimitSurface:
@@ -116,3 +123,17 @@ def test_curve_footpoints_match_a_dense_sampling(inner: bool) -> None:
     brute = np.linalg.norm(queries[:, None] - dense[None], axis=2).min(axis=1)
     assert np.all(found.distance <= brute + 1e-9)
     assert np.all(found.distance >= brute - 1e-2)
+
+
+@pytest.mark.parametrize("model", ["bunny", "igea"])
+def test_no_scanned_point_has_a_nearer_point_on_the_five_times_refined_surface(model: str, meshes: Path) -> None:
+    data = mend(read(meshes / f"{model}.ply")).data
+    frame = Frame.of(data.points)
+    points = frame.inside(data.points)
+    found = decimate(points, data.face_vertices.reshape(-1, 3), 1000)
+    surface = LimitSurface(ControlMesh.from_triangles(found.points, found.triangles), "loop")
+    fine = lattice(surface.domain, 2**5)
+    vertices = surface.evaluate(fine.face, fine.uv).position
+    queries = points[::5]
+    brute, _ = cKDTree(vertices).query(queries)
+    assert np.all(Projector(surface).certain(queries).distance <= brute + 1e-6)
