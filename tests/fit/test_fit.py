@@ -167,3 +167,13 @@ def test_a_surface_that_covers_a_hole_is_not_certified(dome: Target, ball: Targe
     assert found.max < 5e-3
     assert found.reverse_max > 0.1
     assert not found.certifies(Tolerance(max=5e-3))
+
+
+def test_a_mean_alone_is_certified_on_both_sides_or_not_at_all(dome: Target, ball: Target) -> None:
+    whole = fit_target(ball, settings("auto", 2e-3)).control_mesh
+    frame = Frame.of(dome.points)
+    surface = LimitSurface(whole.with_points(frame.inside(whole.points)), "loop")
+    found = measure(surface, dome.normalised(frame), 0.02, frame.diagonal)
+    asked = Tolerance(mean=5e-3)
+    assert asked.met(found.max, found.rms, found.mean)
+    assert not found.certifies(asked)

@@ -80,7 +80,8 @@ class Auto:
         faces = self._bad_faces(state)
         few = len(faces) <= FEW * state.surface.topology.face_count
         if few:
-            faces = np.union1d(faces, large_enough(state, self._stray_faces(state)))
+            straying = large_enough(state, self._stray_faces(state))
+            faces = np.concatenate([faces, np.setdiff1d(straying, faces)])
         marks = all_sides(state, faces) if few else longest_sides(state, faces)
         if tolerance.max is not None and not self.settings.fixed_boundary:
             marks |= side_marks(state, CURVE_FACTOR * tolerance.max)
@@ -144,7 +145,8 @@ class Auto:
             bad = bad[np.argsort(-worst[bad], kind="stable")[:cap]]
         if not replace(tolerance, max=None).met(errors.max, errors.rms, errors.mean):
             sums = np.bincount(state.face, state.distance**2, minlength=len(worst))
-            bad = np.union1d(bad, np.argsort(-sums, kind="stable")[: max(1, cap // 5)])
+            largest = np.argsort(-sums, kind="stable")[: max(1, cap // 5)]
+            bad = np.concatenate([bad, np.setdiff1d(largest, bad)])
         return bad
 
     def _within_budget(self, state: FitState, marks: NDArray[np.bool_], faces: NDArray[np.int64]) -> NDArray[np.bool_]:

@@ -76,12 +76,17 @@ class Measurement:
     diagonal: float
 
     def certifies(self, tolerance: Tolerance, cloud: bool = False) -> bool:
-        """Whether the surface lies within the tolerance on both sides (of a point cloud: on the data's side)."""
+        """Whether the surface lies within the tolerance on both sides (of a point cloud: on the data's side).
+
+        Where no largest error is asked, the reverse side is held to the mean and rms, without regard to faceting.
+        """
         if not tolerance.met(self.max, self.rms, self.mean):
             return False
-        bound = tolerance.max
-        if bound is None or cloud:
+        if cloud:
             return True
+        bound = tolerance.max
+        if bound is None:
+            return tolerance.met(self.reverse_max, self.reverse_rms, self.reverse_mean)
         return self.samples_excess <= bound and self.reverse_excess <= bound
 
 
