@@ -25,7 +25,7 @@ def eigenvalue(valence):
 
 def ring_matrix(kind):
     """Subdivision of a corner's sector: the vertex and its ring."""
-    return subdivide(kind)[0][: kind.ring + 1, : kind.ring + 1]
+    return subdivide(kind)[0][: kind.edges + 1, : kind.edges + 1]
 
 
 def open_corner(faces, pinned=False):

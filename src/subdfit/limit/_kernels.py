@@ -7,6 +7,9 @@ import numpy as np
 
 from subdfit.compiled import inlined_kernel, kernel
 
+TRIANGLE, QUAD = 3, 4
+"""Shapes of cells, as in `subdfit.schemes.domain`."""
+
 SLOTS = 10
 """Coefficient sets kept while the cell does not change: the sub-patches of three levels, and one for all deeper."""
 
@@ -16,10 +19,11 @@ NEAR_LEVEL = 30
 
 
 class Patches(NamedTuple):
-    """The arrays of a patch table (see `subdfit.schemes.patch_table`) and the positions of its points, (points, 3)."""
+    """The arrays of a patch table (see `subdfit.schemes.patch_table`), the shapes of its cells, its points (n, 3)."""
 
-    cell_patch: np.ndarray
-    cell_split: np.ndarray
+    cell_shape: np.ndarray
+    cell_node: np.ndarray
+    node_children: np.ndarray
     patch_type: np.ndarray
     patch_corner: np.ndarray
     patch_offset: np.ndarray
@@ -32,8 +36,46 @@ class Patches(NamedTuple):
 
 
 @inlined_kernel
+def turned(shape, corner, x, y, xu, xv, yu, yv):  # type: ignore[no-untyped-def]
+    """Parameters x, y of a cell, and their derivatives, seen with `corner` as the first."""
+    if corner == 0:
+        return x, y, xu, xv, yu, yv
+    if shape == QUAD:
+        if corner == 1:
+            return y, 1 - x, yu, yv, -xu, -xv
+        if corner == 2:
+            return 1 - x, 1 - y, -xu, -xv, -yu, -yv
+        return 1 - y, x, -yu, -yv, xu, xv
+    if corner == 1:
+        return y, 1 - x - y, yu, yv, -xu - yu, -xv - yv
+    return 1 - x - y, x, -xu - yu, -xv - yv, xu, xv
+
+
+@inlined_kernel
+def part(shape, x, y):  # type: ignore[no-untyped-def]
+    """Which of the four parts of a cell that is cut holds (x, y), and its parameters there, as factor x + shift.
+
+    Returns
+    -------
+    index : the corner at which the part lies, or 3 for a triangle's middle.
+    factor, shift_x, shift_y.
+    """
+    if shape == QUAD:
+        if y < 0.5:
+            return (0, 2.0, 0.0, 0.0) if x < 0.5 else (1, 2.0, -1.0, 0.0)
+        return (3, 2.0, 0.0, -1.0) if x < 0.5 else (2, 2.0, -1.0, -1.0)
+    if x + y <= 0.5:
+        return 0, 2.0, 0.0, 0.0
+    if x >= 0.5:
+        return 1, 2.0, -1.0, 0.0
+    if y >= 0.5:
+        return 2, 2.0, 0.0, -1.0
+    return 3, -2.0, 1.0, 1.0
+
+
+@inlined_kernel
 def locate(patches, cell, u, v):  # type: ignore[no-untyped-def]
-    """Find the polynomial under (u, v) of a triangular cell.
+    """Find the polynomial under (u, v) of a cell.
 
     Returns
     -------
@@ -43,36 +85,34 @@ def locate(patches, cell, u, v):  # type: ignore[no-untyped-def]
     xu, xv, yu, yv : derivatives of x, y by u, v. At an irregular corner itself, where the scheme's own derivatives
         vanish or diverge, the polynomial holds limit tangents instead, scaled as at a regular corner.
     """
-    patch = patches.cell_patch[cell]
-    scale = 1.0
-    if patches.cell_split[cell]:
-        if u + v <= 0.5:
-            scale, u, v = 2.0, 2 * u, 2 * v
-        elif u >= 0.5:
-            patch, scale, u, v = patch + 1, 2.0, 2 * u - 1, 2 * v
-        elif v >= 0.5:
-            patch, scale, u, v = patch + 2, 2.0, 2 * u, 2 * v - 1
-        else:
-            patch, scale, u, v = patch + 3, -2.0, 1 - 2 * u, 1 - 2 * v
-    corner = patches.patch_corner[patch]
-    if corner == 0:
-        x, y, xu, xv, yu, yv = u, v, scale, 0.0, 0.0, scale
-    elif corner == 1:
-        x, y, xu, xv, yu, yv = v, 1 - u - v, 0.0, scale, -scale, -scale
-    else:
-        x, y, xu, xv, yu, yv = 1 - u - v, u, -scale, -scale, scale, 0.0
+    shape = patches.cell_shape[cell]
+    patch = patches.cell_node[cell]
+    x, y, scale = u, v, 1.0
+    while patch < 0:
+        i, factor, shift_x, shift_y = part(shape, x, y)
+        x, y, scale = factor * x + shift_x, factor * y + shift_y, factor * scale
+        patch = patches.node_children[~patch, i]
+    x, y, xu, xv, yu, yv = turned(shape, patches.patch_corner[patch], x, y, scale, 0.0, 0.0, scale)
     levels = patches.type_levels[patches.patch_type[patch]]
     if levels == 0:
         return patch, 0, x, y, xu, xv, yu, yv
+    reach = max(x, y) if shape == QUAD else x + y
     level = levels + 1
-    if x + y > 0.0:
-        level = max(1, 1 - math.frexp(x + y)[1])
+    if reach > 0.0:
+        level = max(1, 1 - math.frexp(reach)[1])
     if level > levels:
         return patch, 3 * levels, 0.0, 0.0, xu, xv, yu, yv
     finer = math.ldexp(1.0, level)
     x, y = x * finer, y * finer
     block = 3 * (level - 1)
-    if x >= 1.0:
+    if shape == QUAD:
+        if x >= 1.0 and y >= 1.0:
+            block, x, y = block + 2, x - 1, y - 1
+        elif x >= 1.0:
+            x -= 1
+        else:
+            block, y = block + 1, y - 1
+    elif x >= 1.0:
         x -= 1
     elif y >= 1.0:
         block, y = block + 1, y - 1
@@ -110,7 +150,7 @@ def gather(patches, patch, block, out, to):  # type: ignore[no-untyped-def]
 
 
 @inlined_kernel
-def first_order(c, o, x, y):  # type: ignore[no-untyped-def]
+def quartic(c, o, x, y):  # type: ignore[no-untyped-def]
     """Value and first derivatives of a quartic with coefficients ``c[o:o + 15]`` of x^i y^j, i then j."""
     p0 = c[o] + y * (c[o + 1] + y * (c[o + 2] + y * (c[o + 3] + y * c[o + 4])))
     p1 = c[o + 5] + y * (c[o + 6] + y * (c[o + 7] + y * c[o + 8]))
@@ -126,8 +166,44 @@ def first_order(c, o, x, y):  # type: ignore[no-untyped-def]
 
 
 @inlined_kernel
-def second_order(c, o, x, y):  # type: ignore[no-untyped-def]
-    """Second derivatives by xx, xy, yy of the quartic of `first_order`."""
+def bicubic(c, o, x, y):  # type: ignore[no-untyped-def]
+    """Value and first derivatives of a bicubic with coefficients ``c[o:o + 16]`` of x^i y^j, i then j."""
+    p0 = c[o] + y * (c[o + 1] + y * (c[o + 2] + y * c[o + 3]))
+    p1 = c[o + 4] + y * (c[o + 5] + y * (c[o + 6] + y * c[o + 7]))
+    p2 = c[o + 8] + y * (c[o + 9] + y * (c[o + 10] + y * c[o + 11]))
+    p3 = c[o + 12] + y * (c[o + 13] + y * (c[o + 14] + y * c[o + 15]))
+    q0 = c[o + 1] + y * (2 * c[o + 2] + y * (3 * c[o + 3]))
+    q1 = c[o + 5] + y * (2 * c[o + 6] + y * (3 * c[o + 7]))
+    q2 = c[o + 9] + y * (2 * c[o + 10] + y * (3 * c[o + 11]))
+    q3 = c[o + 13] + y * (2 * c[o + 14] + y * (3 * c[o + 15]))
+    value = p0 + x * (p1 + x * (p2 + x * p3))
+    by_x = p1 + x * (2 * p2 + x * (3 * p3))
+    by_y = q0 + x * (q1 + x * (q2 + x * q3))
+    return value, by_x, by_y
+
+
+@inlined_kernel
+def first_order(shape, c, o, x, y):  # type: ignore[no-untyped-def]
+    """Value and first derivatives of a cell's polynomial."""
+    if shape == QUAD:
+        return bicubic(c, o, x, y)
+    return quartic(c, o, x, y)
+
+
+@inlined_kernel
+def second_order(shape, c, o, x, y):  # type: ignore[no-untyped-def]
+    """Second derivatives by xx, xy, yy of the polynomial of `first_order`."""
+    if shape == QUAD:
+        p2 = c[o + 8] + y * (c[o + 9] + y * (c[o + 10] + y * c[o + 11]))
+        p3 = c[o + 12] + y * (c[o + 13] + y * (c[o + 14] + y * c[o + 15]))
+        q1 = c[o + 5] + y * (2 * c[o + 6] + y * (3 * c[o + 7]))
+        q2 = c[o + 9] + y * (2 * c[o + 10] + y * (3 * c[o + 11]))
+        q3 = c[o + 13] + y * (2 * c[o + 14] + y * (3 * c[o + 15]))
+        r0 = 2 * c[o + 2] + y * (6 * c[o + 3])
+        r1 = 2 * c[o + 6] + y * (6 * c[o + 7])
+        r2 = 2 * c[o + 10] + y * (6 * c[o + 11])
+        r3 = 2 * c[o + 14] + y * (6 * c[o + 15])
+        return 2 * p2 + x * (6 * p3), q1 + x * (2 * q2 + x * (3 * q3)), r0 + x * (r1 + x * (r2 + x * r3))
     p2 = c[o + 9] + y * (c[o + 10] + y * c[o + 11])
     p3 = c[o + 12] + y * c[o + 13]
     q1 = c[o + 6] + y * (2 * c[o + 7] + y * (3 * c[o + 8]))
@@ -161,31 +237,35 @@ def evaluate(patches, cell, uv, order, start, stop, derivatives, position, first
     tags = np.full(SLOTS, -1, np.int64)
     for n in range(start, stop):
         k = order[n]
+        shape = patches.cell_shape[cell[k]]
         patch, block, x, y, xu, xv, yu, yv = locate(patches, cell[k], uv[k, 0], uv[k, 1])
         c = coefficients(patches, patch, block, cache, tags)
         if derivatives == 0:
             for d in range(3):
-                position[k, d] = first_order(cache, c + 16 * d, x, y)[0]
+                position[k, d] = first_order(shape, cache, c + 16 * d, x, y)[0]
             continue
         for d in range(3):
-            value, by_x, by_y = first_order(cache, c + 16 * d, x, y)
+            value, by_x, by_y = first_order(shape, cache, c + 16 * d, x, y)
             position[k, d] = value
             first[k, 0, d] = xu * by_x + yu * by_y
             first[k, 1, d] = xv * by_x + yv * by_y
         if derivatives == 2:
             for d in range(3):
-                by_xx, by_xy, by_yy = second_order(cache, c + 16 * d, x, y)
+                by_xx, by_xy, by_yy = second_order(shape, cache, c + 16 * d, x, y)
                 second[k, 0, d] = xu * xu * by_xx + 2 * xu * yu * by_xy + yu * yu * by_yy
                 second[k, 1, d] = xu * xv * by_xx + (xu * yv + xv * yu) * by_xy + yu * yv * by_yy
                 second[k, 2, d] = xv * xv * by_xx + 2 * xv * yv * by_xy + yv * yv * by_yy
 
 
 @kernel
-def first_outside(cell, uv, cells, slack):  # type: ignore[no-untyped-def]
-    """First point whose cell does not exist or whose (u, v) lies outside the triangle by more than `slack`; else -1."""
+def first_outside(cell, uv, shape, slack):  # type: ignore[no-untyped-def]
+    """First point whose cell does not exist or whose (u, v) lies outside it by more than `slack`; else -1."""
     for k in range(len(cell)):
+        if not 0 <= cell[k] < len(shape):
+            return k
         u, v = uv[k, 0], uv[k, 1]
-        if not (0 <= cell[k] < cells and u >= -slack and v >= -slack and u + v <= 1 + slack):
+        reach = max(u, v) if shape[cell[k]] == QUAD else u + v
+        if not (u >= -slack and v >= -slack and reach <= 1 + slack):
             return k
     return -1
 
@@ -226,13 +306,14 @@ def weights(patches, cell, uv, offsets, start, stop, derivative, columns, values
     monomial = np.zeros(16)
     matrices, points = patches.matrices, patches.patch_points
     for k in range(start, stop):
+        quad = patches.cell_shape[cell[k]] == QUAD
         patch, block, x, y, xu, xv, yu, yv = locate(patches, cell[k], uv[k, 0], uv[k, 1])
         for i in range(1, 5):
             powers_x[i] = powers_x[i - 1] * x
             powers_y[i] = powers_y[i - 1] * y
         at = 0
-        for i in range(5):
-            for j in range(5 - i):
+        for i in range(4 if quad else 5):
+            for j in range(4 if quad else 5 - i):
                 by_x = i * powers_x[max(i - 1, 0)] * powers_y[j]
                 by_y = j * powers_x[i] * powers_y[max(j - 1, 0)]
                 if derivative == 0:
@@ -242,24 +323,26 @@ def weights(patches, cell, uv, offsets, start, stop, derivative, columns, values
                 else:
                     monomial[at] = xv * by_x + yv * by_y
                 at += 1
+        if at == 15:
+            monomial[15] = 0.0
         kind = patches.patch_type[patch]
         size = patches.type_size[kind]
         begin = patches.type_offset[kind] + 16 * block * size
         for p in range(size):
             total = 0.0
-            for r in range(15):
+            for r in range(16):
                 total += matrices[begin + 16 * p + r] * monomial[r]
             columns[offsets[k] + p] = points[patches.patch_offset[patch] + p]
             values[offsets[k] + p] = total
 
 
 @inlined_kernel
-def derivatives(patches, patch, block, x, y, xu, xv, yu, yv, out, cache, tags):  # type: ignore[no-untyped-def]
+def derivatives(patches, shape, patch, block, x, y, xu, xv, yu, yv, out, cache, tags):  # type: ignore[no-untyped-def]
     """Write S, Su, Sv, Suu, Suv, Svv of a located polynomial into `out` (18,), three coordinates each."""
     c = coefficients(patches, patch, block, cache, tags)
     for d in range(3):
-        value, by_x, by_y = first_order(cache, c + 16 * d, x, y)
-        by_xx, by_xy, by_yy = second_order(cache, c + 16 * d, x, y)
+        value, by_x, by_y = first_order(shape, cache, c + 16 * d, x, y)
+        by_xx, by_xy, by_yy = second_order(shape, cache, c + 16 * d, x, y)
         out[d] = value
         out[3 + d] = xu * by_x + yu * by_y
         out[6 + d] = xv * by_x + yv * by_y
@@ -275,8 +358,9 @@ def expand(patches, cell, u, v, out, cache, tags):  # type: ignore[no-untyped-de
     At an irregular corner the first derivatives are those of a point very near, whose directions are true, scaled to
     the length of the limit tangents, and the second are zero.
     """
+    shape = patches.cell_shape[cell]
     patch, block, x, y, xu, xv, yu, yv = locate(patches, cell, u, v)
-    derivatives(patches, patch, block, x, y, xu, xv, yu, yv, out, cache, tags)
+    derivatives(patches, shape, patch, block, x, y, xu, xv, yu, yv, out, cache, tags)
     levels = patches.type_levels[patches.patch_type[patch]]
     if levels == 0 or block != 3 * levels:
         return
@@ -284,8 +368,23 @@ def expand(patches, cell, u, v, out, cache, tags):  # type: ignore[no-untyped-de
     wanted = found = 0.0
     for i in range(3, 9):
         wanted += out[i] * out[i]
-    # The middle sub-patch of a deep level, at its middle.
-    derivatives(patches, patch, 3 * NEAR_LEVEL - 1, 0.5, 0.5, -xu, -xv, -yu, -yv, out, cache, tags)
+    # The sub-patch between of a deep level, at its middle; a triangle's is turned by half.
+    turn = 1.0 if shape == QUAD else -1.0
+    derivatives(
+        patches,
+        shape,
+        patch,
+        3 * NEAR_LEVEL - 1,
+        0.5,
+        0.5,
+        turn * xu,
+        turn * xv,
+        turn * yu,
+        turn * yv,
+        out,
+        cache,
+        tags,
+    )
     for i in range(3, 9):
         found += out[i] * out[i]
     scale = np.sqrt(wanted / found) if found > 0 else 0.0

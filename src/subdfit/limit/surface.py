@@ -125,8 +125,9 @@ class LimitSurface:
         t, control = self.compiled.table, self.control_mesh.points
         positions = np.concatenate([control, self.compiled.local_matrix @ control])
         return kernels.Patches(
-            t.cell_patch,
-            t.cell_split,
+            self.domain.shape,
+            t.cell_node,
+            t.node_children,
             t.patch_type,
             t.patch_corner,
             t.patch_offset,
@@ -146,7 +147,7 @@ class LimitSurface:
         face
             (k,) parametric faces (for Loop, the control mesh's faces).
         uv
-            (k, 2) parameters; a triangle's corners are at (0, 0), (1, 0), (0, 1).
+            (k, 2) parameters: a triangle's corners are (0, 0), (1, 0), (0, 1), a quad's those of the unit square.
         derivatives
             0, 1 or 2.
 
@@ -226,7 +227,7 @@ class LimitSurface:
         parameter = np.ascontiguousarray(np.asarray(uv, np.float64).reshape(-1, 2))
         if len(cell) != len(parameter):
             raise InputError(f"{len(cell)} faces but {len(parameter)} parameter pairs; give one pair a face")
-        bad = kernels.first_outside(cell, parameter, self.domain.face_count, 1e-9)
+        bad = kernels.first_outside(cell, parameter, self.domain.shape, 1e-9)
         if bad >= 0:
             raise InputError(f"row {bad}: face {cell[bad]} with parameters {parameter[bad]} is not on the surface")
         return cell, parameter

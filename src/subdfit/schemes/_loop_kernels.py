@@ -1,4 +1,4 @@
-"""Loop subdivision over arrays: sectors, refinement rules and the points that each patch lists."""
+"""Loop subdivision over arrays: the split of triangles, and the points that each patch lists."""
 
 import numpy as np
 
@@ -45,49 +45,6 @@ def split_triangles(face_vertices, twin, edge, vertex_count):  # type: ignore[no
             child_twin[half] = before(4 * after(twin[h]))
             child_twin[before(4 * after(h))] = 4 * twin[h]
     return child_vertices, child_twin
-
-
-@kernel
-def corner_sectors(face_vertices, twin, sharp, sharp_count, pinned):  # type: ignore[no-untyped-def]
-    """Describe the sector at every face corner: the faces round its vertex between sharp edges, counter-clockwise.
-
-    Returns
-    -------
-    first : int32 (h,), outgoing half-edge where the sector begins: at a sharp edge, or anywhere if there is none.
-    faces, position : int32 (h,), faces in the sector, and how many lie before this one.
-    regular : bool (h,): six smooth faces all round, or three between two sharp edges, and not a corner.
-    """
-    count = len(face_vertices)
-    first = np.full(count, -1, np.int32)
-    faces = np.empty(count, np.int32)
-    position = np.empty(count, np.int32)
-    regular = np.empty(count, np.bool_)
-    for h in range(count):
-        if first[h] >= 0:
-            continue
-        begin = h
-        while not sharp[begin]:
-            begin = after(twin[begin])
-            if begin == h:
-                break
-        g, size = begin, 0
-        while True:
-            first[g] = begin
-            position[g] = size
-            size += 1
-            last = before(g)
-            g = twin[last]
-            if sharp[last] or g == begin:
-                break
-        v = face_vertices[h]
-        smooth = sharp_count[v] == 0 and size == 6
-        crease = sharp_count[v] == 2 and size == 3
-        g = begin
-        for _ in range(size):
-            faces[g] = size
-            regular[g] = (smooth or crease) and not pinned[v]
-            g = twin[before(g)]
-    return first, faces, position, regular
 
 
 @inlined_kernel

@@ -5,52 +5,20 @@ patch of the same type (Stam 1998). Here the step is written once for every kind
 dart or pinned; only V's own rule and the sharp edges of its ring differ.
 """
 
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from subdfit.schemes.patch_table import LEVELS
+from subdfit.schemes._corner_type import CornerType
+from subdfit.schemes._irregular import limit_mask as fixed_mask
+from subdfit.schemes._irregular import towards_corner
+from subdfit.schemes.patch_table import STRIDE
 
 Matrix = NDArray[np.float64]
 
-STRIDE = 16
-"""Coefficients stored a point: 15 monomials u^i v^j, i + j <= 4, ordered by i then j, and one zero."""
-
-
-@dataclass(frozen=True)
-class CornerType:
-    """What distinguishes irregular corners.
-
-    `faces` round the vertex in its sector, `position` of the patch's face in it, `closed` when the sector goes all the
-    way round, `dart` when one sharp edge (ring index 0) ends there, `pinned` for a corner vertex.
-    """
-
-    faces: int
-    position: int
-    closed: bool
-    dart: bool
-    pinned: bool
-
-    @property
-    def ring(self) -> int:
-        """Neighbours of V in the sector."""
-        return self.faces if self.closed else self.faces + 1
-
-    @property
-    def size(self) -> int:
-        """Points of a patch."""
-        return self.ring + 6
-
-    def sharp(self, j: int) -> bool:
-        """Whether the edge to ring vertex `j` is sharp."""
-        if self.closed:
-            return self.dart and j == 0
-        return j in (0, self.faces)
-
-
-REGULAR = CornerType(6, 0, True, False, False)
+OUTER = 6
+"""Points of a patch beside the corner's ring: the corner itself, and five round the other two."""
 
 
 def monomials() -> list[tuple[int, int]]:
@@ -157,7 +125,8 @@ def subdivide(kind: CornerType) -> tuple[Matrix, list[Matrix]]:
     smaller : (n, n), the points of the child at V, a patch of the same type.
     regular : three (12, n), the points of the regular children beside a, beside b, and between.
     """
-    n, ring = kind.size, kind.ring
+    ring = kind.edges
+    n = ring + OUTER
     x = np.eye(n)
     v, r = x[0], x[1 : ring + 1]
     o, a1, a2, b1, b2 = x[ring + 1 :]
@@ -187,7 +156,7 @@ def subdivide(kind: CornerType) -> tuple[Matrix, list[Matrix]]:
 
 def vertex_rule(kind: CornerType) -> Matrix:
     """Weights of V and its ring for V's new position, (ring + 1,)."""
-    rule = np.zeros(kind.ring + 1)
+    rule = np.zeros(kind.edges + 1)
     if kind.pinned:
         rule[0] = 1.0
     elif kind.closed:
@@ -203,18 +172,15 @@ def _edge(start: Matrix, end: Matrix, left: Matrix, right: Matrix) -> Matrix:
 
 
 def _ring_edge(kind: CornerType, v: Matrix, r: Matrix, k: int) -> Matrix:
-    rule: Matrix = (v + r[k]) / 2 if kind.sharp(k) else _edge(v, r[k], r[k - 1], r[(k + 1) % kind.ring])
+    rule: Matrix = (v + r[k]) / 2 if kind.sharp(k) else _edge(v, r[k], r[k - 1], r[(k + 1) % kind.edges])
     return rule
 
 
 @cache
 def limit_mask(kind: CornerType) -> Matrix:
     """Weights of V and its ring for V's limit point: the left eigenvector of eigenvalue one, (ring + 1,)."""
-    ring = kind.ring + 1
-    step = subdivide(kind)[0][:ring, :ring]
-    system = np.vstack([step.T - np.eye(ring), np.ones(ring)])
-    mask: Matrix = np.linalg.lstsq(system, np.r_[np.zeros(ring), 1.0], rcond=None)[0]
-    return mask
+    ring = kind.edges + 1
+    return fixed_mask(subdivide(kind)[0][:ring, :ring])
 
 
 def tangent_masks(kind: CornerType) -> Matrix:
@@ -229,7 +195,7 @@ def tangent_masks(kind: CornerType) -> Matrix:
         tangents = _projected_edges(kind)
     else:
         tangents = _crease_tangents(kind.faces)
-    return tangents[[kind.position, (kind.position + 1) % kind.ring]]
+    return tangents[[kind.position, (kind.position + 1) % kind.edges]]
 
 
 def _edges(kind: CornerType) -> Matrix:
@@ -238,7 +204,7 @@ def _edges(kind: CornerType) -> Matrix:
     The eigenvalues of smooth edges, 3/8 + cos(pi m / k) / 4 between sharp ones and 3/8 + cos(2 pi m / k) / 4 all round,
     reach 1/2 here: the surface is a cone or a spike, and no plane touches it (Biermann et al. 2000).
     """
-    unit = np.eye(kind.ring + 1)
+    unit = np.eye(kind.edges + 1)
     edges: Matrix = unit[1:] - unit[0]
     return edges
 
@@ -276,7 +242,7 @@ def _across_crease(faces: int) -> Matrix:
 
 def _projected_edges(kind: CornerType) -> Matrix:
     """What is left of the edges after projection onto two subdominant eigenvectors, (ring, ring + 1)."""
-    ring = kind.ring + 1
+    ring = kind.edges + 1
     deflated = subdivide(kind)[0][:ring, :ring] - limit_mask(kind)
     right = _subdominant(deflated)
     left = _subdominant(deflated.T)
@@ -300,25 +266,8 @@ def regular_matrix() -> Matrix:
 def irregular_matrices(kind: CornerType) -> Matrix:
     """All matrices of an irregular type, in the order that `PatchTable.matrices` documents."""
     smaller, regular = subdivide(kind)
-    mask = np.zeros(kind.size)
-    mask[: kind.ring + 1] = limit_mask(kind)
-    polynomials = [box_spline() @ child for child in regular]
-    # Powers of the deflated matrix keep the digits of coefficients that shrink level by level.
-    power, deflated = np.eye(kind.size), smaller - mask
-    blocks = []
-    for level in range(LEVELS):
-        for polynomial in polynomials:
-            if level == 0:
-                block = polynomial.copy()
-            else:
-                block = polynomial @ power
-                block[0] += mask
-            blocks.append(block.T.ravel())
-        power = deflated @ power
-    corner = np.zeros((STRIDE, kind.size))
-    corner[0] = mask
-    tangents = tangent_masks(kind)
-    corner[monomials().index((1, 0)), : kind.ring + 1] = tangents[0]
-    corner[monomials().index((0, 1)), : kind.ring + 1] = tangents[1]
-    blocks.append(corner.T.ravel())
-    return np.concatenate(blocks)
+    ring = kind.edges + 1
+    mask, tangents = np.zeros(len(smaller)), np.zeros((2, len(smaller)))
+    mask[:ring], tangents[:, :ring] = limit_mask(kind), tangent_masks(kind)
+    slots = monomials().index((1, 0)), monomials().index((0, 1))
+    return towards_corner(smaller, [box_spline() @ child for child in regular], mask, tangents, slots)

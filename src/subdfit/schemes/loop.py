@@ -9,17 +9,13 @@ from numpy.typing import NDArray
 from subdfit.errors import InputError
 from subdfit.mesh.topology import Topology
 from subdfit.schemes import _loop_kernels as kernels
-from subdfit.schemes._loop_types import (
-    REGULAR,
-    STRIDE,
-    CornerType,
-    irregular_matrices,
-    limit_mask,
-    regular_matrix,
-    vertex_alpha,
-)
+from subdfit.schemes._compile import compile_patches
+from subdfit.schemes._corner_type import CornerType
+from subdfit.schemes._level import Level
+from subdfit.schemes._loop_types import limit_mask, vertex_alpha
+from subdfit.schemes._triangle_patches import TrianglePatches
 from subdfit.schemes.domain import TRIANGLE, Domain
-from subdfit.schemes.patch_table import LEVELS, PatchTable
+from subdfit.schemes.patch_table import PatchTable
 from subdfit.schemes.scheme import Refinement
 
 
@@ -87,7 +83,7 @@ class Loop:
     def patches(self, topology: Topology) -> PatchTable:
         """Compile for exact evaluation: one patch a face, four where more than one corner is irregular."""
         self.validate(topology)
-        return _compile(self, topology)
+        return compile_patches(TrianglePatches(self.refine), topology)
 
 
 def _sharp_half_edges(t: Topology) -> NDArray[np.bool_]:
@@ -172,7 +168,7 @@ def _dart_limits(t: Topology, darts: NDArray[np.int64]) -> sp.csr_array:
     shape = (t.vertex_count, t.vertex_count)
     if not len(darts):
         return sp.csr_array(shape)
-    first = _Sectors.of(t).first
+    first = Level.of(t).first
     rows: list[NDArray[np.int64]] = []
     columns: list[list[int]] = []
     values: list[NDArray[np.float64]] = []
@@ -186,138 +182,3 @@ def _dart_limits(t: Topology, darts: NDArray[np.int64]) -> sp.csr_array:
         rows.append(np.full(len(ring), v))
         values.append(limit_mask(CornerType(len(ring) - 1, 0, closed=True, dart=True, pinned=False)))
     return sp.csr_array((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
-
-
-@dataclass(frozen=True, eq=False)
-class _Sectors:
-    """One level's connectivity as the patch kernels take it."""
-
-    topology: Topology
-    sharp: NDArray[np.bool_]
-    sharp_count: NDArray[np.int64]
-    pinned: NDArray[np.bool_]
-    first: NDArray[np.int32]
-    faces: NDArray[np.int32]
-    position: NDArray[np.int32]
-    regular: NDArray[np.bool_]
-
-    @classmethod
-    def of(cls, t: Topology) -> "_Sectors":
-        sharp, count = _sharp_half_edges(t), _sharp_count(t)
-        pinned = (t.corner_sharpness > 0) | (count >= 3)
-        return cls(t, sharp, count, pinned, *kernels.corner_sectors(t.face_vertices, t.twin, sharp, count, pinned))
-
-
-@dataclass(frozen=True, eq=False)
-class _Patches:
-    """Patches of one level: type keys, corners, points, and the mirror points they use."""
-
-    keys: NDArray[np.int64]
-    corner: NDArray[np.int8]
-    sizes: NDArray[np.int64]
-    points: NDArray[np.int32]
-    mirrors: NDArray[np.int32]
-
-
-def _compile(scheme: Loop, t: Topology) -> PatchTable:
-    coarse = _Sectors.of(t)
-    split = coarse.regular.reshape(-1, 3).sum(axis=1) < 2
-    patches = [_level_patches(coarse, np.flatnonzero(~split), 0, t.vertex_count)]
-    rows = [sp.csr_array(sp.eye_array(t.vertex_count)), _mirror_matrix(patches[0].mirrors, t.vertex_count)]
-    if split.any():
-        refinement = scheme.refine(t)
-        fine = _Sectors.of(refinement.child)
-        children = (4 * np.flatnonzero(split)[:, None] + np.arange(4)).ravel()
-        begin = t.vertex_count + len(patches[0].mirrors)
-        patches.append(_level_patches(fine, children, begin, begin + fine.topology.vertex_count))
-        mirrors = _mirror_matrix(patches[1].mirrors, fine.topology.vertex_count)
-        rows += [refinement.matrix, sp.csr_array(mirrors @ refinement.matrix)]
-    matrix, points = _only_used(sp.csr_array(sp.vstack(rows, format="csr")), patches, t.vertex_count)
-    keys = np.concatenate([p.keys for p in patches])
-    sizes = np.concatenate([p.sizes for p in patches])
-    cell_patch = np.empty(t.face_count, np.int32)
-    cell_patch[~split] = np.arange(np.count_nonzero(~split))
-    cell_patch[split] = np.count_nonzero(~split) + 4 * np.arange(np.count_nonzero(split))
-    types, patch_type = np.unique(keys, return_inverse=True)
-    kinds = [_unpack(int(key)) for key in types]
-    blocks = [regular_matrix() if kind == REGULAR else irregular_matrices(kind) for kind in kinds]
-    return PatchTable(
-        degree=4,
-        point_matrix=matrix,
-        cell_patch=cell_patch,
-        cell_split=split,
-        patch_type=patch_type.astype(np.int32),
-        patch_corner=np.concatenate([p.corner for p in patches]),
-        patch_offset=np.concatenate([[0], np.cumsum(sizes)]),
-        patch_points=points,
-        type_size=np.array([kind.size for kind in kinds], np.int32),
-        type_levels=np.array([0 if kind == REGULAR else LEVELS for kind in kinds], np.int32),
-        type_offset=np.cumsum([0, *(len(block) for block in blocks)])[:-1].astype(np.int64),
-        matrices=np.concatenate(blocks),
-        stride=STRIDE,
-    )
-
-
-def _level_patches(s: _Sectors, chosen: NDArray[np.int64], vertices: int, mirrors: int) -> _Patches:
-    """Patches of the chosen faces, all with one irregular corner at most; point rows begin at the given offsets."""
-    regular = s.regular.reshape(-1, 3)[chosen]
-    corner = np.argmin(regular, axis=1)
-    h = 3 * chosen + corner
-    vertex = s.topology.face_vertices[h]
-    closed = s.sharp_count[vertex] < 2
-    dart = s.sharp_count[vertex] == 1
-    keys = _pack(s.faces[h], np.where(closed & ~dart, 0, s.position[h]), closed, dart, s.pinned[vertex])
-    keys[regular.all(axis=1)] = _pack(*(np.array([x]) for x in (6, 0, True, False, False)))[0]
-    sizes = np.where(regular.all(axis=1), 12, s.faces[h] + np.where(closed, 6, 7)).astype(np.int64)
-    start = np.concatenate([[0], np.cumsum(sizes)])
-    mirror_of = np.full(len(s.topology.face_vertices), -1, np.int32)
-    mirror_corners = np.empty((np.count_nonzero(s.sharp), 3), np.int32)
-    used = np.zeros(1, np.int64)
-    points = kernels.patch_points(
-        chosen,
-        corner,
-        start,
-        np.array([vertices, mirrors]),
-        s.topology.face_vertices,
-        s.topology.twin,
-        s.sharp_count,
-        s.first,
-        s.faces,
-        s.position,
-        mirror_of,
-        mirror_corners,
-        used,
-    )
-    return _Patches(keys, corner.astype(np.int8), sizes, points, mirror_corners[: used[0]])
-
-
-def _pack(
-    faces: NDArray[np.int32],
-    position: NDArray[np.int32],
-    closed: NDArray[np.bool_],
-    dart: NDArray[np.bool_],
-    pinned: NDArray[np.bool_],
-) -> NDArray[np.int64]:
-    key: NDArray[np.int64] = faces.astype(np.int64) << 32 | position.astype(np.int64) << 3
-    key = key | closed.astype(np.int64) << 2 | dart.astype(np.int64) << 1 | pinned
-    return key
-
-
-def _unpack(key: int) -> CornerType:
-    return CornerType(key >> 32, (key >> 3) & 0x1FFFFFFF, bool(key & 4), bool(key & 2), bool(key & 1))
-
-
-def _mirror_matrix(corners: NDArray[np.int32], vertex_count: int) -> sp.csr_array:
-    rows = np.repeat(np.arange(len(corners)), 3)
-    values = np.tile([1.0, 1.0, -1.0], len(corners))
-    return sp.csr_array((values, (rows, corners.ravel())), shape=(len(corners), vertex_count))
-
-
-def _only_used(matrix: sp.csr_array, patches: list[_Patches], control: int) -> tuple[sp.csr_array, NDArray[np.int32]]:
-    """Drop local points that no patch lists."""
-    points = np.concatenate([p.points for p in patches])
-    used = np.zeros(matrix.shape[0], np.bool_)
-    used[points] = True
-    used[:control] = True
-    renumber = np.cumsum(used, dtype=np.int32) - np.int32(1)
-    return sp.csr_array(matrix[np.flatnonzero(used)]), renumber[points]

@@ -1,13 +1,13 @@
 """A control mesh's topology, compiled for evaluation: which matrix takes which points to which polynomial.
 
-Kernels read these arrays and know polynomial patches, never schemes. A *cell* (parametric face) is one patch, or four
-where it must be split to keep its irregular corners apart. A patch lists points and has a *type*. A regular type holds
-one matrix from those points to the coefficients of a polynomial in the patch's (u, v). An irregular type has its
-irregular corner at (0, 0) and holds such matrices for the three regular sub-patches of every level of refinement
-towards that corner, and one, the last, for the corner itself.
+Kernels read these arrays and know polynomial patches, never schemes. A *cell* (parametric face) is one patch, or is cut
+in four, and again, until each part is one: to keep irregular corners apart, and to get past semi-sharp creases. A patch
+lists points and has a *type*. A regular type holds one matrix from those points to the coefficients of a polynomial in
+the patch's (u, v). An irregular type has its irregular corner at (0, 0) and holds such matrices for the three regular
+sub-patches of every level of refinement towards that corner, and one, the last, for the corner itself.
 
 The points of patches are the control points followed by *local points*, fixed combinations of control points:
-refined vertices where a cell is split, and mirror points beyond boundaries and creases.
+refined vertices where a cell is cut, and mirror points beyond boundaries and creases.
 """
 
 from dataclasses import dataclass
@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 
 LEVELS = 52
 """Levels of refinement kept towards an irregular corner: below 2^-52 a parameter is the corner's."""
+STRIDE = 16
+"""Coefficients stored a point, see `PatchTable.matrices`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,27 +28,26 @@ class PatchTable:
 
     Attributes
     ----------
-    degree : total degree of the polynomials (4 for Loop).
     point_matrix : (points, n) sparse, patch points from control points; its first n rows are the identity.
-    cell_patch : (f,) int32, first patch of each cell.
-    cell_split : (f,) bool, whether the cell is four patches.
+    cell_node : (f,) int32, the patch of each cell, or ``~row`` of `node_children` where it is cut.
+    node_children : (s, 4) int32, the parts of what is cut, patches or cut again: one at each corner, and for a
+        triangle the middle one last, whose parameters are turned by half.
     patch_type : (p,) int32.
-    patch_corner : (p,) int8, the cell corner (of 3) that is the patch's (0, 0).
+    patch_corner : (p,) int8, the corner of the patch's cell (or part of one) that is its (0, 0).
     patch_offset : (p + 1,) int64 into `patch_points`.
     patch_points : int32, rows of the patch points.
     type_size : (t,) int32, points of a patch of that type.
     type_levels : (t,) int32, 0 for a regular type, else `LEVELS`.
     type_offset : (t,) int64, where its first matrix begins in `matrices`.
-    matrices : float64; a matrix is stored point by point, `stride` coefficients each. The sub-patch
-        ``j`` = 0, 1, 2 (beside the second corner, beside the third, between) of level ``l`` >= 1 is matrix
-        ``3 (l - 1) + j``, the corner itself matrix ``3 levels``.
-    stride : coefficients a point, the polynomial's number of monomials rounded up for alignment.
+    matrices : float64; a matrix is stored point by point, `STRIDE` coefficients each: on triangles the 15 monomials
+        u^i v^j, i + j <= 4, ordered by i then j, and a zero; on quads those with i, j <= 3. The sub-patch ``j`` =
+        0, 1, 2 (beside the second corner, beside the last, between) of level ``l`` >= 1 is matrix ``3 (l - 1) + j``,
+        the corner itself matrix ``3 levels``.
     """
 
-    degree: int
     point_matrix: sp.csr_array
-    cell_patch: NDArray[np.int32]
-    cell_split: NDArray[np.bool_]
+    cell_node: NDArray[np.int32]
+    node_children: NDArray[np.int32]
     patch_type: NDArray[np.int32]
     patch_corner: NDArray[np.int8]
     patch_offset: NDArray[np.int64]
@@ -55,12 +56,6 @@ class PatchTable:
     type_levels: NDArray[np.int32]
     type_offset: NDArray[np.int64]
     matrices: NDArray[np.float64]
-    stride: int
-
-    def patch_positions(self, control_points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Positions of all patch points, (points, 3), for control points (n, 3)."""
-        local = self.local_matrix @ control_points
-        return np.ascontiguousarray(np.concatenate([control_points, local]))
 
     @property
     def local_matrix(self) -> sp.csr_array:
