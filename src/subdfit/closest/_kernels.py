@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from subdfit.compiled import inlined_kernel, kernel
-from subdfit.limit._kernels import SLOTS, expand
+from subdfit.limit._kernels import QUAD, SLOTS, TRIANGLE, expand
 
 MAX_CROSSINGS = 16
 BACKTRACKS = 8
@@ -18,36 +18,95 @@ POSITIVE = 0.05
 class Cells(NamedTuple):
     """The arrays of a `Domain` that walking needs."""
 
+    shape: np.ndarray
     neighbour: np.ndarray
     neighbour_side: np.ndarray
     sharp: np.ndarray
 
 
 @inlined_kernel
-def from_side(side, u, v, w):  # type: ignore[no-untyped-def]
-    """Barycentric values (w, u, v) turned so that `side` runs from the first to the second."""
+def seen_from_side(shape, side, u, v):  # type: ignore[no-untyped-def]
+    """Parameters along and away from a side: s runs from its first corner to its second, t into the cell."""
     if side == 0:
-        return w, u, v
+        return u, v
+    if shape == QUAD:
+        if side == 1:
+            return v, 1 - u
+        if side == 2:
+            return 1 - u, 1 - v
+        return 1 - v, u
     if side == 1:
-        return u, v, w
-    return v, w, u
+        return v, 1 - u - v
+    return 1 - u - v, u
+
+
+@inlined_kernel
+def from_side(shape, side, s, t):  # type: ignore[no-untyped-def]
+    """Parameters of a cell from those of `seen_from_side`."""
+    if side == 0:
+        return s, t
+    if shape == QUAD:
+        if side == 1:
+            return 1 - t, s
+        if side == 2:
+            return 1 - s, 1 - t
+        return t, 1 - s
+    if side == 1:
+        return 1 - s - t, s
+    return t, 1 - s - t
 
 
 @inlined_kernel
 def cross(cells, cell, side, u, v, du, dv):  # type: ignore[no-untyped-def]
-    """Continue beyond a side: the two triangles are unfolded to a parallelogram, as regular parameters are."""
-    b0, b1, b2 = from_side(side, u, v, 1 - u - v)
-    d0, d1, d2 = from_side(side, du, dv, -du - dv)
-    # Our corners i, i + 1 are the neighbour's j + 1, j; its third mirrors ours.
-    n0, n1, n2 = b1 + b2, b0 + b2, -b2
-    e0, e1, e2 = d1 + d2, d0 + d2, -d2
-    other = cells.neighbour[cell, side]
-    j = cells.neighbour_side[cell, side]
-    if j == 0:
-        return other, n1, n2, e1, e2
-    if j == 1:
-        return other, n0, n1, e0, e1
-    return other, n2, n0, e2, e0
+    """Continue beyond a side: cells are unfolded as regular parameters are, two triangles to a parallelogram."""
+    shape = cells.shape[cell]
+    other, j = cells.neighbour[cell, side], cells.neighbour_side[cell, side]
+    beyond = cells.shape[other]
+    s, t = seen_from_side(shape, side, u, v)
+    s1, t1 = seen_from_side(shape, side, u + du, v + dv)
+    # A triangle's t leans: it goes half a side back along s for each unit.
+    lean = 0.5 * (beyond == TRIANGLE) - 0.5 * (shape == TRIANGLE)
+    s, t = 1 - s + lean * t, -t
+    s1, t1 = 1 - s1 + lean * t1, -t1
+    nu, nv = from_side(beyond, j, s, t)
+    eu, ev = from_side(beyond, j, s1, t1)
+    return other, nu, nv, eu - nu, ev - nv
+
+
+@inlined_kernel
+def first_side_hit(shape, u, v, du, dv):  # type: ignore[no-untyped-def]
+    """Side through which a step leaves a cell, -1 if none, and at which share of the step."""
+    side, t = -1, 1.0
+    if dv < 0 and v + dv < 0:
+        side, t = 0, v / -dv
+    if du < 0 and u + du < 0 and u / -du < t:
+        side, t = (3 if shape == QUAD else 2), u / -du
+    if shape == QUAD:
+        if du > 0 and u + du > 1 and (1 - u) / du < t:
+            side, t = 1, (1 - u) / du
+        if dv > 0 and v + dv > 1 and (1 - v) / dv < t:
+            side, t = 2, (1 - v) / dv
+    elif du + dv > 0 and u + v + du + dv > 1 and (1 - u - v) / (du + dv) < t:
+        side, t = 1, (1 - u - v) / (du + dv)
+    return side, min(max(t, 0.0), 1.0)
+
+
+@inlined_kernel
+def on_side(shape, side, u, v):  # type: ignore[no-untyped-def]
+    """Put parameters that lie on a side but for rounding exactly there."""
+    u, v = min(max(u, 0.0), 1.0), min(max(v, 0.0), 1.0)
+    if side == 0:
+        v = 0.0
+    elif side == 1:
+        if shape == QUAD:
+            u = 1.0
+        else:
+            v = 1 - u
+    elif side == 2 and shape == QUAD:
+        v = 1.0
+    elif side >= 2:
+        u = 0.0
+    return u, v
 
 
 @inlined_kernel
@@ -59,28 +118,17 @@ def walk(cells, cell, u, v, du, dv):  # type: ignore[no-untyped-def]
     cell, u, v : where it ends.
     """
     for _ in range(MAX_CROSSINGS):
-        side, t = -1, 1.0
-        if dv < 0 and v + dv < 0:
-            side, t = 0, v / -dv
-        if du < 0 and u + du < 0 and u / -du < t:
-            side, t = 2, u / -du
-        if du + dv > 0 and u + v + du + dv > 1 and (1 - u - v) / (du + dv) < t:
-            side, t = 1, (1 - u - v) / (du + dv)
-        t = min(max(t, 0.0), 1.0)
-        u, v = u + t * du, v + t * dv
-        if side == 0:
-            v = 0.0
-        elif side == 2:
-            u = 0.0
-        elif side == 1:
-            v = 1 - u
-        u, v = min(max(u, 0.0), 1.0), min(max(v, 0.0), 1.0)
+        shape = cells.shape[cell]
+        side, t = first_side_hit(shape, u, v, du, dv)
+        u, v = on_side(shape, side, u + t * du, v + t * dv)
         if side < 0 or cells.sharp[cell, side]:
             break
         cell, u, v, du, dv = cross(cells, cell, side, u, v, (1 - t) * du, (1 - t) * dv)
     # Crossing leaves rounding errors of either sign.
     u, v = max(u, 0.0), max(v, 0.0)
-    if u + v > 1:
+    if cells.shape[cell] == QUAD:
+        u, v = min(u, 1.0), min(v, 1.0)
+    elif u + v > 1:
         u, v = u / (u + v), v / (u + v)
     return cell, u, v
 
@@ -121,37 +169,53 @@ def newton_step(e, x, y, z, second):  # type: ignore[no-untyped-def]
 
 
 @inlined_kernel
-def leaving_side(u, v, du, dv):  # type: ignore[no-untyped-def]
-    """Side on which (u, v) lies and through which (du, dv) leaves at once; -1 if none."""
-    if v <= ON_SIDE and dv < 0:
-        return 0
-    if u <= ON_SIDE and du < 0:
-        return 2
-    if u + v >= 1 - ON_SIDE and du + dv > 0:
-        return 1
-    return -1
-
-
-@inlined_kernel
-def other_side_at(u, v, side):  # type: ignore[no-untyped-def]
-    """The second side on which (u, v) lies when it is a corner; -1 if it is none."""
-    if side != 0 and v <= ON_SIDE:
-        return 0
-    if side != 1 and u + v >= 1 - ON_SIDE:
-        return 1
-    if side != 2 and u <= ON_SIDE:
-        return 2
-    return -1
-
-
-@inlined_kernel
-def slide(side, h0, h1, h2, gu, gv):  # type: ignore[no-untyped-def]
-    """Newton's step along a side."""
-    tu, tv = 1.0, 0.0
+def lies_on(shape, side, u, v):  # type: ignore[no-untyped-def]
+    """Whether (u, v) lies on a side of its cell."""
+    if side == 0:
+        return v <= ON_SIDE
     if side == 1:
-        tu, tv = -1.0, 1.0
-    elif side == 2:
-        tu, tv = 0.0, -1.0
+        return (u if shape == QUAD else u + v) >= 1 - ON_SIDE
+    if side == 2 and shape == QUAD:
+        return v >= 1 - ON_SIDE
+    return u <= ON_SIDE
+
+
+@inlined_kernel
+def leads_out(shape, side, du, dv):  # type: ignore[no-untyped-def]
+    """Whether (du, dv) leads through a side from inside."""
+    if side == 0:
+        return dv < 0
+    if side == 1:
+        return (du if shape == QUAD else du + dv) > 0
+    if side == 2 and shape == QUAD:
+        return dv > 0
+    return du < 0
+
+
+@inlined_kernel
+def leaving_side(shape, u, v, du, dv):  # type: ignore[no-untyped-def]
+    """Side on which (u, v) lies and through which (du, dv) leaves at once; -1 if none."""
+    for side in range(shape):
+        if lies_on(shape, side, u, v) and leads_out(shape, side, du, dv):
+            return side
+    return -1
+
+
+@inlined_kernel
+def other_side_at(shape, u, v, side):  # type: ignore[no-untyped-def]
+    """The second side on which (u, v) lies when it is a corner; -1 if it is none."""
+    for other in range(shape):
+        if other != side and lies_on(shape, other, u, v):
+            return other
+    return -1
+
+
+@inlined_kernel
+def slide(shape, side, h0, h1, h2, gu, gv):  # type: ignore[no-untyped-def]
+    """Newton's step along a side."""
+    au, av = from_side(shape, side, 0.0, 0.0)
+    bu, bv = from_side(shape, side, 1.0, 0.0)
+    tu, tv = bu - au, bv - av
     h = tu * tu * h0 + 2 * tu * tv * h1 + tv * tv * h2
     s = -(gu * tu + gv * tv) / h if h > 0 else 0.0
     return s * tu, s * tv
@@ -173,33 +237,34 @@ def direction(patches, cells, cell, u, v, x, y, z, e, spare, cache, tags, second
     -------
     cell, u, v, du, dv : where the step starts, and the step.
     """
+    shape = cells.shape[cell]
     du, dv, h0, h1, h2, gu, gv = newton_step(e, x, y, z, second)
-    side = leaving_side(u, v, du, dv)
+    side = leaving_side(shape, u, v, du, dv)
     if side < 0:
         return cell, u, v, du, dv
     if not cells.sharp[cell, side]:
         # At a corner with a sharp side, descend along that before going round the corner.
-        beside = other_side_at(u, v, side)
+        beside = other_side_at(shape, u, v, side)
         if beside >= 0 and cells.sharp[cell, beside]:
-            su, sv = slide(beside, h0, h1, h2, gu, gv)
-            if leaving_side(u, v, su, sv) < 0 and su * su + sv * sv > 1e-20:
+            su, sv = slide(shape, beside, h0, h1, h2, gu, gv)
+            if leaving_side(shape, u, v, su, sv) < 0 and su * su + sv * sv > 1e-20:
                 return cell, u, v, su, sv
         return cell, u, v, du, dv
     if cells.neighbour[cell, side] >= 0:
         other, nu, nv, _, _ = cross(cells, cell, side, u, v, 0.0, 0.0)
-        nu, nv = max(nu, 0.0), max(nv, 0.0)
+        nu, nv = min(max(nu, 0.0), 1.0), min(max(nv, 0.0), 1.0)
         expand(patches, other, nu, nv, spare, cache, tags)
         eu, ev, _, _, _, _, _ = newton_step(spare, x, y, z, second)
-        if leaving_side(nu, nv, eu, ev) < 0:
+        if leaving_side(cells.shape[other], nu, nv, eu, ev) < 0:
             for i in range(18):
                 e[i] = spare[i]
             return other, nu, nv, eu, ev
-    du, dv = slide(side, h0, h1, h2, gu, gv)
-    other_side = leaving_side(u, v, du, dv)
+    du, dv = slide(shape, side, h0, h1, h2, gu, gv)
+    other_side = leaving_side(shape, u, v, du, dv)
     if other_side >= 0 and cells.sharp[cell, other_side]:
         # In a corner between two sharp sides: along the other one, or nowhere.
-        du, dv = slide(other_side, h0, h1, h2, gu, gv)
-        if leaving_side(u, v, du, dv) >= 0:
+        du, dv = slide(shape, other_side, h0, h1, h2, gu, gv)
+        if leaving_side(shape, u, v, du, dv) >= 0:
             return cell, u, v, 0.0, 0.0
     return cell, u, v, du, dv
 

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.limit.surface import LimitSurface
+from subdfit.schemes.domain import CORNERS
 from subdfit.target.bvh import SegmentTree
 
 Floats = NDArray[np.float64]
@@ -13,9 +14,6 @@ Floats = NDArray[np.float64]
 SEGMENTS = 4
 """Chords a cell side in the tree."""
 NEWTON_STEPS = 6
-
-_ORIGIN = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
-_DIRECTION = np.array([[1.0, 0.0], [-1.0, 1.0], [0.0, -1.0]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,21 +51,20 @@ class SurfaceCurves:
     def __init__(self, surface: LimitSurface, inner: bool) -> None:
         self.surface = surface
         domain = surface.domain
-        neighbour = domain.neighbour[:, :3]
+        neighbour = domain.neighbour
         cells = np.arange(domain.face_count)[:, None]
-        wanted = domain.sharp[:, :3] & ((neighbour > cells) if inner else (neighbour < 0))
+        wanted = domain.present & domain.sharp & ((neighbour > cells) if inner else (neighbour < 0))
         cell, side = np.nonzero(wanted)
         self.cell, self.side = cell.astype(np.int32), side
-        start, end = domain.vertex[cell, side], domain.vertex[cell, (side + 1) % 3]
-        self.ends = np.column_stack([start, end])
-        self._next = self._chain(self.ends, int(domain.vertex.max(initial=-1)) + 1)
+        self.ends = np.column_stack([domain.points[cell, side], domain.points[cell, domain.next_corner(cell, side)]])
+        self._next = self._chain(self.ends, int(domain.points.max(initial=-1)) + 1)
 
     def __len__(self) -> int:
         """Number of sides."""
         return len(self.cell)
 
     @staticmethod
-    def _chain(ends: NDArray[np.int32], vertices: int) -> NDArray[np.int64]:
+    def _chain(ends: NDArray[np.int64], vertices: int) -> NDArray[np.int64]:
         """For each end (2 side + 0 or 1) the end of another side that joins it smoothly alone; -1 if none."""
         at = ends.ravel()
         order = np.argsort(at, kind="stable")
@@ -79,8 +76,8 @@ class SurfaceCurves:
 
     def locate(self, side: NDArray[np.int64], t: Floats) -> tuple[NDArray[np.int32], Floats]:
         """Return face (k,) and uv (k, 2) of points on the curves."""
-        which = self.side[side]
-        return self.cell[side], np.clip(_ORIGIN[which] + t[:, None] * _DIRECTION[which], 0.0, 1.0)
+        cell = self.cell[side]
+        return cell, np.clip(self.surface.domain.along(cell, self.side[side], t), 0.0, 1.0)
 
     def closest(self, points: Floats) -> CurveProjection:
         """Footpoints of (k, 3) points: the nearest chord, then Newton's method along the curves."""
@@ -110,7 +107,8 @@ class SurfaceCurves:
         value = self.surface.evaluate(face, uv, 2)
         assert value.first is not None
         assert value.second is not None
-        a, b = _DIRECTION[self.side[side]].T[:, :, None]
+        shape, begin = self.surface.domain.shape[face], self.side[side]
+        a, b = (CORNERS[shape, (begin + 1) % shape] - CORNERS[shape, begin]).T[:, :, None]
         first = a * value.first[:, 0] + b * value.first[:, 1]
         second = a * a * value.second[:, 0] + 2 * a * b * value.second[:, 1] + b * b * value.second[:, 2]
         return value.position, first, second

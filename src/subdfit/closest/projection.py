@@ -10,8 +10,9 @@ from scipy.spatial import cKDTree
 from subdfit.closest import _kernels as kernels
 from subdfit.limit._kernels import order_by_cell
 from subdfit.limit.surface import LimitSurface
-from subdfit.limit.tessellate import lattice
+from subdfit.limit.tessellate import Lattice, cut, grid_nodes, lattice
 from subdfit.parallel import map_chunks
+from subdfit.schemes.domain import CORNERS, QUAD, TRIANGLE
 from subdfit.target.bvh import TriangleTree
 
 Floats = NDArray[np.float64]
@@ -21,14 +22,8 @@ SEGMENTS = 3
 """Segments a cell side in the tree's triangles."""
 AT_CORNER, NEAR_CORNER = 1e-6, 0.8
 """Footpoints this close to a vertex, of weight 1 at it, and beyond this weight near one with kinks, are tried again."""
-_ROUND = np.array(
-    [
-        [[0.0, 0.0], [0.1, 0.0], [0.0, 0.1]],
-        [[1.0, 0.0], [0.9, 0.1], [0.9, 0.0]],
-        [[0.0, 1.0], [0.0, 0.9], [0.1, 0.9]],
-    ]
-)
-"""For each corner of a cell: the corner itself, and places on its two sides."""
+ROUND = 0.1
+"""How far along the sides of a corner places to try lie."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +63,7 @@ class Projector:
         self.tolerance = 1e-8 * extent if tolerance is None else tolerance
         self.second_order = second_order
         domain = surface.domain
-        self._cells = kernels.Cells(domain.neighbour, domain.neighbour_side, domain.sharp)
+        self._cells = kernels.Cells(domain.shape, domain.neighbour, domain.neighbour_side, domain.sharp)
 
     def refine(
         self,
@@ -168,18 +163,19 @@ class Projector:
             return np.empty(0, np.int64), np.empty(0, np.int32), np.empty((0, 2))
         start, cells, corners = self._fans
         cell, corner = cells[start[kinked]].astype(np.int32), corners[start[kinked]]
-        limits = self.surface.evaluate(cell, _ROUND[corner, 0]).position
+        at = CORNERS[self.surface.domain.shape[cell], corner]
+        limits = self.surface.evaluate(cell, at).position
         distance, which = cKDTree(limits).query(data)
         point, which = np.flatnonzero(distance < best.distance), np.asarray(which, np.int64)
-        return point, cell[which[point]], _ROUND[corner[which[point]], 0]
+        return point, cell[which[point]], at[which[point]]
 
     def _round_corners(self, best: Projection) -> tuple[NDArray[np.int64], NDArray[np.int32], Floats]:
         """Places to try for footpoints near a vertex with kinks, or stuck at one: that vertex, and round it."""
         domain = self.surface.domain
-        weights = np.column_stack([1 - best.uv.sum(axis=1), best.uv])
+        weights = corner_weights(domain.shape[best.face], best.uv)
         corner = weights.argmax(axis=1)
         largest = weights[np.arange(len(corner)), corner]
-        vertex = domain.vertex[best.face, corner]
+        vertex = domain.points[best.face, corner]
         doubtful = ~best.converged | (largest > 1 - AT_CORNER) | (self._kinked[vertex] & (largest > NEAR_CORNER))
         point = np.flatnonzero(doubtful)
         start, cells, corners = self._fans
@@ -187,58 +183,94 @@ class Projector:
         rows = (
             np.repeat(start[vertex[point]], count) + np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
         )
-        tries = _ROUND[corners[rows]]
+        tries = self._round(cells[rows], corners[rows])
         faces = np.repeat(cells[rows], tries.shape[1]).astype(np.int32)
         return np.repeat(np.repeat(point, count), tries.shape[1]), faces, tries.reshape(-1, 2).copy()
 
+    def _round(self, cell: NDArray[np.int64], corner: NDArray[np.int64]) -> Floats:
+        """A corner of each cell, and places on the two sides there, (k, 3, 2)."""
+        domain = self.surface.domain
+        at = CORNERS[domain.shape[cell], corner]
+        ahead = CORNERS[domain.shape[cell], domain.next_corner(cell, corner)]
+        behind = CORNERS[domain.shape[cell], (corner - 1) % domain.shape[cell]]
+        return np.stack([at, at + ROUND * (ahead - at), at + ROUND * (behind - at)], axis=1)
+
     @cached_property
     def _kinked(self) -> NDArray[np.bool_]:
-        """Vertices on creases and boundaries, and tagged corners."""
+        """Corner points of cells on creases and boundaries, and tagged corners."""
         domain, topology = self.surface.domain, self.surface.topology
-        flags = topology.corner_sharpness > 0
-        cell, side = np.nonzero(domain.sharp[:, :3])
-        flags[domain.vertex[cell, side]] = True
-        flags[domain.vertex[cell, (side + 1) % 3]] = True
-        return np.asarray(flags)
+        flags = np.zeros(len(self._fans[0]) - 1, np.bool_)
+        flags[: topology.vertex_count] = topology.corner_sharpness > 0
+        cell, side = np.nonzero(domain.sharp & domain.present)
+        flags[domain.points[cell, side]] = True
+        flags[domain.points[cell, domain.next_corner(cell, side)]] = True
+        # A tagged vertex may be no corner of any cell.
+        return np.asarray(flags & (np.diff(self._fans[0]) > 0))
 
     @cached_property
     def _fans(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-        """For each vertex the cells round it and which of their corners it is, as offsets and two lists."""
-        at = self.surface.domain.vertex[:, :3].ravel()
+        """For each corner point the cells round it and which of their corners it is, as offsets and two lists."""
+        domain = self.surface.domain
+        cell, corner = np.nonzero(domain.present)
+        at = domain.points[cell, corner]
         order = np.argsort(at, kind="stable")
         count = np.bincount(at, minlength=self.surface.topology.vertex_count)
-        return np.concatenate([[0], np.cumsum(count)]), order // 3, order % 3
+        return np.concatenate([[0], np.cumsum(count)]), cell[order], corner[order]
 
     def _on_surface(self, triangle: NDArray[np.int32], uv: Floats) -> tuple[NDArray[np.int32], Floats]:
-        corners = self._corner_uv[triangle % (SEGMENTS * SEGMENTS)]
+        cell = self._cell_under[triangle]
+        corners = _TRIANGLES[self.surface.domain.shape[cell], triangle - self._grid.begin[cell]]
         weights = np.column_stack([1 - uv.sum(axis=1), uv])
-        inside = np.clip(np.einsum("ki,kid->kd", weights, corners), 0, 1)
-        return (triangle // (SEGMENTS * SEGMENTS)).astype(np.int32), inside
+        return cell, np.clip(np.einsum("ki,kid->kd", weights, corners), 0, 1)
 
     def _triangle_under(self, face: NDArray[np.int32], uv: Floats) -> NDArray[np.int64]:
-        """The tree's triangle that holds each surface point, (k,)."""
+        """The tree's triangle that holds each surface point, (k,): rows as `tessellate.cut` counts them."""
+        quad = self.surface.domain.shape[face] == QUAD
         scaled = uv * SEGMENTS
         low = np.minimum(scaled.astype(np.int64), SEGMENTS - 1)
-        low[:, 1] = np.minimum(low[:, 1], SEGMENTS - 1 - low[:, 0])
+        low[:, 1] = np.where(quad, low[:, 1], np.minimum(low[:, 1], SEGMENTS - 1 - low[:, 0]))
         i, j = low.T
         down = (scaled - low).sum(axis=1) > 1
-        up_row = j * SEGMENTS - j * (j - 1) // 2 + i
-        down_row = SEGMENTS * (SEGMENTS + 1) // 2 + j * (SEGMENTS - 1) - j * (j - 1) // 2 + i
-        return np.asarray(face.astype(np.int64) * SEGMENTS**2 + np.where(down, down_row, up_row), np.int64)
+        missing = np.where(quad, 0, j * (j - 1) // 2)
+        up_row = j * SEGMENTS - missing + i
+        below = np.where(quad, SEGMENTS * SEGMENTS, SEGMENTS * (SEGMENTS + 1) // 2)
+        down_row = below + j * np.where(quad, SEGMENTS, SEGMENTS - 1) - missing + i
+        return np.asarray(self._grid.begin[face] + np.where(down, down_row, up_row), np.int64)
 
     @cached_property
-    def _corner_uv(self) -> Floats:
-        """Parameters of the corners of a cell's triangles, (SEGMENTS^2, 3, 2)."""
-        nodes = [(i, j) for j in range(SEGMENTS + 1) for i in range(SEGMENTS + 1 - j)]
-        up = [((i, j), (i + 1, j), (i, j + 1)) for i, j in nodes if i + j < SEGMENTS]
-        down = [((i + 1, j), (i + 1, j + 1), (i, j + 1)) for i, j in nodes if i + j < SEGMENTS - 1]
-        return np.array(up + down) / SEGMENTS
+    def _grid(self) -> Lattice:
+        return lattice(self.surface.domain, SEGMENTS)
+
+    @cached_property
+    def _cell_under(self) -> NDArray[np.int32]:
+        """The cell of each of the tree's triangles."""
+        return np.repeat(np.arange(self.surface.domain.face_count, dtype=np.int32), np.diff(self._grid.begin))
 
     @cached_property
     def _tree(self) -> TriangleTree:
-        grid = lattice(self.surface.domain, SEGMENTS)
+        grid = self._grid
         vertices = self.surface.evaluate(grid.face, grid.uv).position
-        cells = np.repeat(np.arange(self.surface.domain.face_count), SEGMENTS * SEGMENTS)
-        middle = np.tile(self._corner_uv.mean(axis=1), (self.surface.domain.face_count, 1))
-        stray = self.surface.evaluate(cells, middle).position - vertices[grid.triangles].mean(axis=1)
+        rows = np.arange(len(grid.triangles), dtype=np.int32)
+        middle = self._on_surface(rows, np.full((len(rows), 2), 1 / 3))
+        stray = self.surface.evaluate(*middle).position - vertices[grid.triangles].mean(axis=1)
         return TriangleTree(vertices, grid.triangles, inflation=2.0 * np.linalg.norm(stray, axis=1))
+
+
+def corner_weights(shape: NDArray[np.int8], uv: Floats) -> Floats:
+    """Linear weights of a triangle's corners, bilinear ones of a quad's, (k, 4)."""
+    u, v = uv.T
+    bilinear = np.column_stack([(1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v])
+    linear = np.column_stack([1 - u - v, u, v, np.full(len(u), -1.0)])
+    return np.where((shape == QUAD)[:, None], bilinear, linear)
+
+
+def _tree_triangles() -> Floats:
+    """Parameters of the corners of a cell's triangles in the tree, by shape, (5, 2 SEGMENTS^2, 3, 2)."""
+    table = np.zeros((QUAD + 1, 2 * SEGMENTS**2, 3, 2))
+    for shape in (TRIANGLE, QUAD):
+        rows = cut(shape, SEGMENTS)
+        table[shape, : len(rows)] = np.array(grid_nodes(shape, SEGMENTS))[rows] / SEGMENTS
+    return table
+
+
+_TRIANGLES = _tree_triangles()

@@ -6,7 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.errors import InputError
-from subdfit.schemes.domain import QUAD, Domain
+from subdfit.schemes.domain import QUAD, TRIANGLE, Domain
+
+Nodes = list[tuple[int, int]]
 
 
 class Lattice(NamedTuple):
@@ -15,64 +17,99 @@ class Lattice(NamedTuple):
     Attributes
     ----------
     face, uv : (n,) int32 and (n, 2) float64, where each vertex lies.
-    triangles : (t, 3) int32; the triangles of cell c are rows ``c s^2`` to ``(c + 1) s^2`` (s segments a side).
+    triangles : (t, 3) int32; those of cell c are rows ``begin[c]`` to ``begin[c + 1]``, in the order of `cut`.
+    begin : (f + 1,) int64.
     """
 
     face: NDArray[np.int32]
     uv: NDArray[np.float64]
     triangles: NDArray[np.int32]
+    begin: NDArray[np.int64]
 
 
 def lattice(domain: Domain, segments: int) -> Lattice:
     """Cut every cell's sides into `segments` parts; raises InputError unless that is 1 or more."""
     if segments < 1:
         raise InputError(f"a tessellation needs 1 or more segments a side, not {segments}")
-    if np.any(domain.shape == QUAD):
-        raise InputError("tessellating quadrilateral cells is not supported by this scheme")
-    count = domain.face_count
-    nodes = [(i, j) for j in range(segments + 1) for i in range(segments + 1 - j)]
-    row = {node: k for k, node in enumerate(nodes)}
-    uv = np.array(nodes) / segments
-    rows = _weld(domain, nodes, segments)
-    up = [(row[i, j], row[i + 1, j], row[i, j + 1]) for i, j in nodes if i + j < segments]
-    down = [(row[i + 1, j], row[i + 1, j + 1], row[i, j + 1]) for i, j in nodes if i + j < segments - 1]
-    triangles = rows[:, np.array(up + down)].reshape(-1, 3)
-    used, first, inverse = np.unique(rows.ravel(), return_index=True, return_inverse=True)
-    face = (first // len(nodes)).astype(np.int32)
+    begin = np.concatenate([[0], np.cumsum(np.where(domain.shape == QUAD, 2, 1) * segments**2)])
+    triangles = np.empty((begin[-1], 3), np.int64)
+    face, uv = np.empty(0, np.int64), np.empty((0, 2))
+    numbers = np.empty(0, np.int64)
+    inner = int(domain.points.max(initial=-1)) + 1 + 4 * domain.face_count * (segments - 1)
+    for shape in (TRIANGLE, QUAD):
+        cells = np.flatnonzero(domain.shape == shape)
+        nodes, cuts = grid_nodes(shape, segments), cut(shape, segments)
+        rows = _weld(domain, cells, nodes, segments, inner)
+        inner += len(cells) * len(nodes)
+        place = begin[cells][:, None] + np.arange(len(cuts))
+        triangles[place.ravel()] = rows[:, cuts].reshape(-1, 3)
+        numbers = np.concatenate([numbers, rows.ravel()])
+        face = np.concatenate([face, np.repeat(cells, len(nodes))])
+        uv = np.concatenate([uv, np.tile(np.array(nodes) / segments, (len(cells), 1))])
+    used, first = np.unique(numbers, return_index=True)
     renumber = np.full(int(used.max(initial=-1)) + 1, -1, np.int32)
     renumber[used] = np.arange(len(used))
-    assert len(inverse) == count * len(nodes)
-    return Lattice(face, uv[first % len(nodes)], renumber[triangles])
+    return Lattice(face[first].astype(np.int32), uv[first], renumber[triangles], begin)
 
 
-def _weld(domain: Domain, nodes: list[tuple[int, int]], segments: int) -> NDArray[np.int64]:
-    """Number the lattice nodes of all cells, (f, nodes): the same number where cells share a point."""
-    count = domain.face_count
-    corner_count = int(domain.vertex.max(initial=-1)) + 1
-    side = _side_numbers(domain)
-    rows = np.empty((count, len(nodes)), np.int64)
-    inner_begin = corner_count + 3 * count * (segments - 1)
-    inner = 0
-    for k, (i, j) in enumerate(nodes):
-        barycentric = (segments - i - j, i, j)
-        zeros = [b for b in range(3) if barycentric[b] == 0]
-        if len(zeros) == 2:
-            rows[:, k] = domain.vertex[:, barycentric.index(segments)]
-        elif len(zeros) == 1:
-            s = (zeros[0] + 1) % 3
-            along = barycentric[(s + 1) % 3]
-            number, forward = side[0][:, s], side[1][:, s]
-            rows[:, k] = corner_count + number * (segments - 1) + np.where(forward, along, segments - along) - 1
+def grid_nodes(shape: int, segments: int) -> Nodes:
+    """The nodes (i, j) of a cell's lattice, at parameters i / segments and j / segments."""
+    return [(i, j) for j in range(segments + 1) for i in range(segments + 1 if shape == QUAD else segments + 1 - j)]
+
+
+def cut(shape: int, segments: int) -> NDArray[np.int64]:
+    """Triangles of a cell's lattice as rows of its nodes, (t, 3).
+
+    The lower left halves of all squares come first, row by row, then the upper right ones.
+    """
+    nodes = grid_nodes(shape, segments)
+    row = {node: k for k, node in enumerate(nodes)}
+    up = [(row[i, j], row[i + 1, j], row[i, j + 1]) for i, j in nodes if (i + 1, j) in row and (i, j + 1) in row]
+    down = [(row[i + 1, j], row[i + 1, j + 1], row[i, j + 1]) for i, j in nodes if (i + 1, j + 1) in row]
+    return np.array(up + down)
+
+
+def _weld(domain: Domain, cells: NDArray[np.int64], nodes: Nodes, segments: int, inner: int) -> NDArray[np.int64]:
+    """Number the lattice nodes of `cells`, all of one shape: the same number where cells share a point.
+
+    Numbers from `inner` on are free for the nodes inside cells.
+    """
+    sides_begin = int(domain.points.max(initial=-1)) + 1
+    number, forward = _side_numbers(domain)
+    shape = int(domain.shape[cells[0]]) if len(cells) else TRIANGLE
+    rows = np.empty((len(cells), len(nodes)), np.int64)
+    for k, node in enumerate(nodes):
+        corner, side, along = _place(shape, node, segments)
+        if corner >= 0:
+            rows[:, k] = domain.points[cells, corner]
+        elif side >= 0:
+            step = np.where(forward[cells, side], along, segments - along) - 1
+            rows[:, k] = sides_begin + number[cells, side] * (segments - 1) + step
         else:
-            rows[:, k] = inner_begin + inner * count + np.arange(count)
-            inner += 1
+            rows[:, k] = inner + k * len(cells) + np.arange(len(cells))
     return rows
 
 
+def _place(shape: int, node: tuple[int, int], segments: int) -> tuple[int, int, int]:
+    """The corner on which a node lies, or the side and how far along it; -1 for none."""
+    i, j = node
+    if shape == QUAD:
+        ends = [(0, 0), (segments, 0), (segments, segments), (0, segments)]
+        sides = [(j == 0, i), (i == segments, j), (j == segments, segments - i), (i == 0, segments - j)]
+    else:
+        ends = [(0, 0), (segments, 0), (0, segments)]
+        sides = [(j == 0, i), (i + j == segments, j), (i == 0, segments - j)]
+    if node in ends:
+        return ends.index(node), -1, 0
+    for side, (on, along) in enumerate(sides):
+        if on:
+            return -1, side, along
+    return -1, -1, 0
+
+
 def _side_numbers(domain: Domain) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """A number for each cell side, shared by both cells, and whether the cell runs along it forwards."""
-    count = domain.face_count
-    own = 3 * np.arange(count)[:, None] + np.arange(3)
-    neighbour = domain.neighbour[:, :3].astype(np.int64)
-    beyond = np.where(neighbour < 0, own, 3 * neighbour + domain.neighbour_side[:, :3])
+    """A number for each cell side, shared by both cells, and whether the cell runs along it forwards, (f, 4)."""
+    own = 4 * np.arange(domain.face_count)[:, None] + np.arange(4)
+    neighbour = domain.neighbour.astype(np.int64)
+    beyond = np.where(neighbour < 0, own, 4 * neighbour + domain.neighbour_side)
     return np.minimum(own, beyond), own <= beyond
