@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from subdfit.api import (
         FitResult,
+        InterpolationResult,
         LimitSurface,
         Tessellation,
         fit,
         history_picture,
+        interpolate,
         measure,
         picture,
         read,
@@ -36,6 +38,7 @@ _HOME = {
     "Evaluation": "subdfit.limit.surface",
     "FitResult": "subdfit.api",
     "InputError": "subdfit.errors",
+    "InterpolationResult": "subdfit.api",
     "LimitSurface": "subdfit.api",
     "MachineError": "subdfit.errors",
     "Measurement": "subdfit.measure",
@@ -46,6 +49,7 @@ _HOME = {
     "Tessellation": "subdfit.api",
     "fit": "subdfit.api",
     "history_picture": "subdfit.api",
+    "interpolate": "subdfit.api",
     "measure": "subdfit.api",
     "picture": "subdfit.api",
     "read": "subdfit.api",
@@ -59,6 +63,7 @@ __all__ = [
     "Evaluation",
     "FitResult",
     "InputError",
+    "InterpolationResult",
     "LimitSurface",
     "MachineError",
     "Measurement",
@@ -70,6 +75,7 @@ __all__ = [
     "__version__",
     "fit",
     "history_picture",
+    "interpolate",
     "measure",
     "picture",
     "read",
@@ -86,7 +92,7 @@ def __getattr__(name: str) -> Any:
 
 
 class _Package(ModuleType):
-    """Keeps `fit` and `measure` functions, though rooms of these names exist.
+    """Keeps `fit`, `interpolate` and `measure` functions, though rooms of these names exist.
 
     Importing a submodule would bind it as an attribute of the package and hide the public function.
     """

@@ -31,6 +31,8 @@ def test_rooms_do_not_hide_functions_of_the_same_name():
         "import subdfit.fit.driver, subdfit.measure, subdfit\n"
         "from subdfit.fit import FitSettings\n"
         "assert callable(subdfit.fit) and callable(subdfit.measure)\n"
+        "from subdfit.interpolate import METHODS\n"
+        "assert callable(subdfit.interpolate)\n"
         "from subdfit import fit\n"
         "assert fit is subdfit.fit\n"
     )

@@ -10,15 +10,17 @@ import subdfit
 from subdfit.cli import main, options
 from subdfit.errors import MachineError
 
-COMMANDS = ("fit", "measure", "subdivide", "demo")
+COMMANDS = ("fit", "interpolate", "measure", "subdivide", "demo")
 
 
 def test_the_names_are_those_of_the_registries():
     from subdfit.fit import METHODS
+    from subdfit.interpolate import METHODS as INTERPOLATION_METHODS
     from subdfit.schemes import SCHEMES
 
     assert set(options.SCHEMES) == set(SCHEMES)
     assert set(options.METHODS) == set(METHODS)
+    assert set(options.INTERPOLATION_METHODS) == set(INTERPOLATION_METHODS)
 
 
 @pytest.mark.parametrize("call", [["--help"], *([command, "--help"] for command in COMMANDS)])

@@ -3,6 +3,7 @@
 from subdfit.api.cages import control_mesh_of
 from subdfit.api.files import read, write
 from subdfit.api.fitting import fit
+from subdfit.api.interpolating import InterpolationResult, interpolate
 from subdfit.api.measuring import Comparison, compare, measure
 from subdfit.api.pictures import history_picture, picture
 from subdfit.api.result import FitResult
@@ -13,12 +14,14 @@ from subdfit.api.surface import LimitSurface, Tessellation
 __all__ = [
     "Comparison",
     "FitResult",
+    "InterpolationResult",
     "LimitSurface",
     "Tessellation",
     "compare",
     "control_mesh_of",
     "fit",
     "history_picture",
+    "interpolate",
     "measure",
     "mesh_data",
     "picture",

@@ -8,6 +8,7 @@ from typing import Any
 
 SCHEMES = ("loop",)
 METHODS = ("auto", "geometric")
+INTERPOLATION_METHODS = ("cg", "chebyshev", "over-relaxation", "progressive")
 
 
 def add_tolerances(parser: argparse.ArgumentParser, default: str) -> None:
@@ -23,19 +24,24 @@ def add_tolerances(parser: argparse.ArgumentParser, default: str) -> None:
 def add_target_options(parser: argparse.ArgumentParser) -> None:
     """Add how a target is made ready."""
     group = parser.add_argument_group("the target")
-    group.add_argument(
-        "--creases",
-        metavar="auto|none|ANGLE",
-        default="auto",
-        help="edges that stay sharp: those the file tags, else the surely sharp ones (auto, the default); none; or "
-        "those that bend more than an angle in degrees",
-    )
+    add_creases(group)
     group.add_argument(
         "--repair", action="store_true", help="cut apart edges of three faces and more, and one-sided surfaces"
     )
     group.add_argument("--keep-components", metavar="N", type=int, help="keep the N largest components")
     group.add_argument("--fill-holes", metavar="EDGES", type=int, help="close holes of at most so many edges")
     group.add_argument("--unit", metavar="NAME", help="name of the target's unit, for messages")
+
+
+def add_creases(parser: Any) -> None:
+    """Add ``--creases`` to a parser or a group."""
+    parser.add_argument(
+        "--creases",
+        metavar="auto|none|ANGLE",
+        default="auto",
+        help="edges that stay sharp: those the file tags, else the surely sharp ones (auto, the default); none; or "
+        "those that bend more than an angle in degrees",
+    )
 
 
 def add_machine_options(parser: argparse.ArgumentParser) -> None:

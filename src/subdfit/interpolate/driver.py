@@ -1,0 +1,102 @@
+"""One driver for all solvers: from data to control points, until a tolerance holds or nothing improves."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subdfit.interpolate.krylov import krylov
+from subdfit.interpolate.null_space import NullSpace
+from subdfit.interpolate.operator import LimitOperator
+from subdfit.interpolate.progressive import Step, chebyshev, over_relaxed, progressive
+from subdfit.mesh.topology import Topology
+
+Floats = NDArray[np.float64]
+Status = Literal["within_tolerance", "best_effort", "interrupted"]
+Solver = Callable[[LimitOperator, Floats, Floats], Iterator[Step]]
+
+METHODS: dict[str, Solver] = {
+    "cg": krylov,
+    "chebyshev": chebyshev,
+    "over-relaxation": over_relaxed,
+    "progressive": progressive,
+}
+"""Solvers by name: from operator, data and a first iterate they give iterates for ever, each with its error."""
+
+PATIENCE = 100
+"""Iterations without a new least error after which there is no hope."""
+
+
+@dataclass(frozen=True, eq=False)
+class Interpolation:
+    """Control points whose limit points are the data.
+
+    Attributes
+    ----------
+    points : (n, 3).
+    residuals : at each iteration, from the start on, the largest distance of a limit point from its datum.
+    distances : (n,), those distances in the end, computed afresh.
+    status : ``within_tolerance``, ``best_effort`` or ``interrupted``.
+    null_vectors : how many independent control meshes have the limit 0; where there are any, `points` is the least
+        solution, and `residuals` leave out what no control mesh can reach.
+    """
+
+    points: Floats
+    residuals: tuple[float, ...]
+    distances: Floats
+    status: Status
+    null_vectors: int
+
+
+def interpolate_points(
+    B: LimitOperator, topology: Topology, data: Floats, method: str, tolerance: float, most_iterations: int
+) -> Interpolation:
+    """Find control points with limit points at the data, to a tolerance that is a length.
+
+    Parameters
+    ----------
+    B
+        Limit operator of the topology.
+    data
+        (n, 3), of a size near 1 and centred near 0, that rounding may not matter.
+    method
+        One of `METHODS`.
+    """
+    null_space = NullSpace.of(B, topology)
+    reachable = null_space.without(data)
+    residuals: list[float] = []
+    points, least = reachable, np.inf
+    while True:
+        points, interrupted = _iterate(METHODS[method](B, reachable, points), residuals, tolerance, most_iterations)
+        true = float(B.distances(points, reachable).max())
+        if interrupted or true <= tolerance or not true < least / 2 or len(residuals) >= most_iterations:
+            break
+        least = true
+    points = null_space.without(points)
+    distances = B.distances(points, data)
+    status: Status = "interrupted" if interrupted else "best_effort"
+    if distances.max() <= tolerance:
+        status = "within_tolerance"
+    return Interpolation(points, tuple(residuals), distances, status, null_space.count)
+
+
+def _iterate(
+    steps: Iterator[Step], residuals: list[float], tolerance: float, most_iterations: int
+) -> tuple[Floats, bool]:
+    """Take steps until one is within tolerance, too many, or none has been better for long; Ctrl-C ends them too."""
+    points, error = next(steps)
+    residuals.append(error)
+    best, since = error, 0
+    try:
+        while error > tolerance and len(residuals) < most_iterations and since < PATIENCE:
+            following = next(steps, None)
+            if following is None:
+                break
+            points, error = following
+            residuals.append(error)
+            best, since = (error, 0) if error < best else (best, since + 1)
+    except KeyboardInterrupt:
+        return points, True
+    return points, False
