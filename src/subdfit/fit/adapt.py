@@ -1,18 +1,64 @@
-"""Adapting the control mesh to the error: insertion of vertices, connectivity, and carrying footpoints along."""
+"""Adapting the control mesh to the error: new vertices on the sides of faces, footpoints carried along or found anew.
+
+Triangle meshes go through the editor, polygon meshes through templates that keep quads; which it is the scheme says.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from subdfit.fit import _kernels as kernels
+from subdfit.fit.places import Places
 from subdfit.fit.state import FitState
 from subdfit.limit.surface import LimitSurface
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.mesh.editor import Frozen, MeshEditor, Split
+from subdfit.mesh.polygon_refinement import refine_polygons
+from subdfit.schemes import Scheme
 
 Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Rows = NDArray[np.int64]
+
+SETTLING = 12
+"""Iterations that put the limit points of a refined mesh where the coarse surface had them."""
+OVER_RELAXATION = 1.7
+"""Nearly 2 / (1 + lambda), lambda = 1/9 being the least eigenvalue of Catmull-Clark's limit masks on regular meshes."""
 
 
-def open_editor(state: FitState) -> MeshEditor:
+def refined(state: FitState, sides: Flags, whole_faces: bool = False, regularise: bool = True) -> FitState:
+    """Halve sides of faces.
+
+    Parameters
+    ----------
+    state
+        Where the fit stands.
+    sides
+        (h,) bool by half-edge of the control mesh.
+    whole_faces
+        A triangle with two sides halved is cut in four, as one with three is.
+    regularise
+        Flip edges near new vertices, in triangle meshes.
+    """
+    if state.surface.scheme.faces == "triangles":
+        return _refined_triangles(state, sides, whole_faces, regularise)
+    return _refined_polygons(state, sides)
+
+
+def _refined_triangles(state: FitState, sides: Flags, whole_faces: bool, regularise: bool) -> FitState:
+    editor = _open(state)
+    editor.mark()
+    marks = sides.reshape(-1, 3)
+    split = editor.split_faces(marks.all(axis=1)) if whole_faces else editor.split_edges(marks)
+    _place_subdivided(editor, split, state)
+    if regularise:
+        region = editor.touched()
+        editor.regularise_connectivity(region)
+        editor.improve_angles(region, max_rise=0)
+    surface = LimitSurface(_control_mesh(editor.freeze(), state.surface.scheme.name), state.surface.scheme)
+    face, uv, _ = editor.carried()
+    return FitState.follow(state.data, surface, face, uv)
+
+
+def _open(state: FitState) -> MeshEditor:
     """Put the control mesh under edit, carrying all footpoints."""
     mesh = state.surface.control_mesh
     data = mesh.to_data()
@@ -28,7 +74,7 @@ def open_editor(state: FitState) -> MeshEditor:
     return editor
 
 
-def place_subdivided(editor: MeshEditor, split: Split, state: FitState) -> None:
+def _place_subdivided(editor: MeshEditor, split: Split, state: FitState) -> None:
     """Give new and affected vertices the positions of one subdivision step, so that the surface barely moves.
 
     Nishiyama et al. 2008, section 5, after Marinov and Kobbelt 2005.
@@ -40,14 +86,7 @@ def place_subdivided(editor: MeshEditor, split: Split, state: FitState) -> None:
     editor.place(split.affected, positions[refinement.vertex_row[split.affected]])
 
 
-def close_editor(editor: MeshEditor, state: FitState) -> FitState:
-    """Freeze the edited mesh; footpoints go on from where they were carried."""
-    surface = LimitSurface(control_mesh(editor.freeze(), state.surface.scheme.name), state.surface.scheme)
-    face, uv, _ = editor.carried()
-    return FitState.follow(state.data, surface, face, uv)
-
-
-def control_mesh(frozen: Frozen, scheme: str) -> ControlMesh:
+def _control_mesh(frozen: Frozen, scheme: str) -> ControlMesh:
     """The control mesh of a frozen edit."""
     mesh = ControlMesh.from_triangles(
         frozen.points,
@@ -60,46 +99,24 @@ def control_mesh(frozen: Frozen, scheme: str) -> ControlMesh:
     return ControlMesh(mesh.topology, mesh.points, scheme)
 
 
-def face_maxima(state: FitState) -> Floats:
-    """Largest excess of the points on each face, (f,)."""
-    out = np.zeros(state.surface.domain.face_count)
-    kernels.group_maximum(state.face, state.excess, out)
-    return out
+def _refined_polygons(state: FitState, sides: Flags) -> FitState:
+    """Cut faces by templates; all footpoints are found anew."""
+    coarse, scheme = state.surface, state.surface.scheme
+    found = refine_polygons(coarse.control_mesh, sides, polygons=scheme.faces == "polygons")
+    places = Places(coarse)
+    limits = np.concatenate([places.vertices(), places.middles(found.halved), places.centres(found.centred)])
+    points = settled(found.mesh, scheme, limits)
+    mesh = ControlMesh(found.mesh.topology, points, scheme.name)
+    return FitState.start(state.data, LimitSurface(mesh, scheme))
 
 
-def side_marks(state: FitState, tolerance: float) -> NDArray[np.bool_]:
-    """Sides of faces, (f, 3), whose boundary or crease points lie farther from the curve than `tolerance`."""
-    marks = np.zeros((state.surface.domain.face_count, 3), np.bool_)
-    for found, curves in zip((state.boundary, state.crease), state.curves, strict=True):
-        if found is None or curves is None:
-            continue
-        worst = np.zeros(len(curves))
-        np.maximum.at(worst, found.side, found.distance)
-        far = np.flatnonzero(worst > tolerance)
-        marks[curves.cell[far], curves.side[far]] = True
-    return marks
+def settled(mesh: ControlMesh, scheme: Scheme, limits: Floats) -> Floats:
+    """Control points whose limit points lie at (n, 3) `limits`, very nearly: the surface barely moves.
 
-
-def longest_sides(state: FitState, faces: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Mark the longest side of each given face, (f, 3)."""
-    mesh = state.surface.control_mesh
-    corners = state.surface.vertex_limits()[mesh.topology.triangles[faces]]
-    length = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
-    marks = np.zeros((mesh.topology.face_count, 3), np.bool_)
-    marks[faces, length.argmax(axis=1)] = True
-    return marks
-
-
-def all_sides(state: FitState, faces: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Mark all sides of the given faces, (f, 3)."""
-    marks = np.zeros((state.surface.topology.face_count, 3), np.bool_)
-    marks[faces] = True
-    return marks
-
-
-def large_enough(state: FitState, faces: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Those of the given faces whose longest side exceeds the data's own spacing: finer ones would follow nothing."""
-    mesh = state.surface.control_mesh
-    corners = mesh.points[mesh.topology.triangles[faces]]
-    length = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
-    return np.asarray(faces[length > state.data.spacing])
+    Progressive interpolation (Cheng et al. 2009), over-relaxed, from the mesh's own points.
+    """
+    rows = scheme.limit_rows(mesh.topology)
+    points = mesh.points
+    for _ in range(SETTLING):
+        points = points + OVER_RELAXATION * (limits - rows @ points)
+    return points

@@ -5,16 +5,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from subdfit.fit.adapt import (
-    all_sides,
-    close_editor,
-    face_maxima,
-    large_enough,
-    longest_sides,
-    open_editor,
-    place_subdivided,
-    side_marks,
-)
+from subdfit.fit.adapt import refined
+from subdfit.fit.faults import Faults, all_sides, curve_sides, cutting_sides, large_enough
+from subdfit.fit.places import Places
 from subdfit.fit.reverse import Strays, strays
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
@@ -74,7 +67,7 @@ class Auto:
         return state
 
     def adapt(self, state: FitState) -> FitState:
-        """Refine where the error asks for it: the longest side of each bad face, and bad curve sides."""
+        """Refine where the error asks for it: cut each bad face in two, and halve bad curve sides."""
         tolerance = self.settings.tolerance
         state = state.refreshed(tolerance.max or 0.0)
         faces = self._bad_faces(state)
@@ -82,23 +75,18 @@ class Auto:
         if few:
             straying = large_enough(state, self._stray_faces(state))
             faces = np.concatenate([faces, np.setdiff1d(straying, faces)])
-        marks = all_sides(state, faces) if few else longest_sides(state, faces)
+        marks = all_sides(state, faces) if few else cutting_sides(state, faces)
         if tolerance.max is not None and not self.settings.fixed_boundary:
-            marks |= side_marks(state, CURVE_FACTOR * tolerance.max)
+            marks |= curve_sides(state, CURVE_FACTOR * tolerance.max)
         marks = self._within_budget(state, marks, faces)
         if not marks.any():
             return state
-        editor = open_editor(state)
-        editor.mark()
-        place_subdivided(editor, editor.split_edges(marks), state)
         if few:
             self._damping = max(self._damping, LATE_DAMPING)
-        else:
-            region = editor.touched()
-            editor.regularise_connectivity(region)
-            editor.improve_angles(region, max_rise=0)
         self._watched = None
-        return close_editor(editor, state)
+        finer = refined(state, marks, regularise=not few)
+        budget = self.settings.max_control_vertices
+        return finer if budget is None or finer.surface.topology.vertex_count <= budget else state
 
     def _samples(self, state: FitState) -> Strays:
         """Samples of the state's sparse faces, found once a state."""
@@ -132,20 +120,20 @@ class Auto:
 
     def _stray_faces(self, state: FitState) -> NDArray[np.int64]:
         found = self._strays(state)
-        return np.unique(found.face).astype(np.int64) if found is not None else np.empty(0, np.int64)
+        return np.unique(Places(state.surface).face[found.face]) if found is not None else np.empty(0, np.int64)
 
     def _bad_faces(self, state: FitState) -> NDArray[np.int64]:
         """Faces whose maximum is too large, worst first and capped; where a mean is, those with the largest sums."""
         tolerance, errors = self.settings.tolerance, state.errors
-        worst = face_maxima(state)
+        faults = Faults.of(state)
+        worst = faults.maximum
         cap = max(10, int(CAP * len(worst)))
         bad = np.empty(0, np.int64)
         if tolerance.max is not None:
             bad = np.flatnonzero(worst > tolerance.max)
             bad = bad[np.argsort(-worst[bad], kind="stable")[:cap]]
         if not replace(tolerance, max=None).met(errors.max, errors.rms, errors.mean):
-            sums = np.bincount(state.face, state.distance**2, minlength=len(worst))
-            largest = np.argsort(-sums, kind="stable")[: max(1, cap // 5)]
+            largest = np.argsort(-faults.squares, kind="stable")[: max(1, cap // 5)]
             bad = np.concatenate([bad, np.setdiff1d(largest, bad)])
         return bad
 
@@ -159,6 +147,5 @@ class Auto:
             return np.zeros_like(marks)
         if np.count_nonzero(marks) <= room:
             return marks
-        allowed = np.zeros_like(marks)
-        allowed[faces[:room]] = marks[faces[:room]]
-        return allowed
+        cost = np.bincount(state.surface.topology.face, marks, minlength=state.surface.topology.face_count)
+        return marks & all_sides(state, faces[np.cumsum(cost[faces]) <= room])

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from subdfit.closest.projection import Projector
 from subdfit.fit import _kernels as kernels
-from subdfit.fit.adapt import close_editor, face_maxima, open_editor, place_subdivided
+from subdfit.fit.adapt import refined
+from subdfit.fit.faults import Faults, all_sides
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FOOTPOINT_TOLERANCE, FitState
 from subdfit.fit.stop import within
@@ -111,27 +112,20 @@ class Geometric:
             return state
         chosen = self._faces_to_split(state)
         budget = self.settings.max_control_vertices
-        if not chosen.any() or (budget is not None and state.surface.topology.vertex_count >= budget):
+        if not len(chosen) or (budget is not None and state.surface.topology.vertex_count >= budget):
             return state
-        editor = open_editor(state)
-        editor.mark()
-        place_subdivided(editor, editor.split_faces(chosen), state)
-        region = editor.touched()
-        editor.regularise_connectivity(region)
-        editor.improve_angles(region, max_rise=0)
-        return close_editor(editor, state)
+        return refined(state, all_sides(state, chosen), whole_faces=True)
 
-    def _faces_to_split(self, state: FitState) -> NDArray[np.bool_]:
+    def _faces_to_split(self, state: FitState) -> NDArray[np.int64]:
         """Where the error does not become small enough: the face maximum, or its mean where only that is asked."""
-        tolerance, errors = self.settings.tolerance, state.errors
-        chosen = np.zeros(state.surface.domain.face_count, np.bool_)
+        tolerance, errors, faults = self.settings.tolerance, state.errors, Faults.of(state)
+        chosen = np.zeros(len(faults.count), np.bool_)
         if tolerance.max is not None:
-            chosen |= face_maxima(state) > tolerance.max
+            chosen |= faults.maximum > tolerance.max
         if not replace(tolerance, max=None).met(errors.max, errors.rms, errors.mean):
-            count = np.bincount(state.face, minlength=len(chosen))
-            mean = np.bincount(state.face, state.distance, minlength=len(chosen)) / np.maximum(count, 1)
+            mean = faults.sums / np.maximum(faults.count, 1)
             chosen[np.argsort(-mean, kind="stable")[: max(1, len(chosen) // 20)]] = True
-        return chosen
+        return np.flatnonzero(chosen)
 
     def _extrapolated(self, state: FitState) -> FitState:
         """Nesterov's momentum on the control points, where it is asked for."""

@@ -16,7 +16,7 @@ from subdfit.schemes._loop_types import limit_mask, vertex_alpha
 from subdfit.schemes._triangle_patches import TrianglePatches
 from subdfit.schemes.domain import TRIANGLE, Domain
 from subdfit.schemes.patch_table import PatchTable
-from subdfit.schemes.scheme import Refinement
+from subdfit.schemes.scheme import Faces, Refinement
 
 
 @dataclass(frozen=True)
@@ -24,6 +24,7 @@ class Loop:
     """Loop's scheme; boundary edges are sharp, vertices with three or more sharp edges and tagged ones are corners."""
 
     name: str = "loop"
+    faces: Faces = "triangles"
 
     def validate(self, topology: Topology) -> None:
         """Raise InputError unless all faces are triangles, all inner valences 3 or more, and no tag is semi-sharp."""

@@ -1,7 +1,7 @@
 """What a subdivision scheme is: the protocol that everything above works with."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 import scipy.sparse as sp
@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 from subdfit.mesh.topology import Topology
 from subdfit.schemes.domain import Domain
 from subdfit.schemes.patch_table import PatchTable
+
+Faces = Literal["triangles", "polygons", "mixed"]
+"""Faces a scheme takes: triangles alone; polygons of any kind, quads for choice; triangles and quads."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +39,11 @@ class Scheme(Protocol):
     @property
     def name(self) -> str:
         """The name users and files know it by."""
+        ...
+
+    @property
+    def faces(self) -> Faces:
+        """The faces it takes, and so those of the first control mesh of a fit."""
         ...
 
     def validate(self, topology: Topology) -> None:

@@ -1,0 +1,73 @@
+"""Where the control mesh's faces, sides and vertices lie on the surface's cells, whole faces or parts of them."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subdfit.limit.surface import LimitSurface
+from subdfit.schemes.domain import CORNERS, TRIANGLE
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """The control mesh on its surface."""
+
+    surface: LimitSurface
+
+    @cached_property
+    def _corner_of(self) -> tuple[Rows, Rows]:
+        """For each half-edge a cell and its corner at the half-edge's origin."""
+        half_edge = self.surface.domain.half_edge
+        cell, corner = np.nonzero(half_edge >= 0)
+        place = np.empty((2, len(cell)), np.int64)
+        place[:, half_edge[cell, corner]] = cell, corner
+        return place[0], place[1]
+
+    @cached_property
+    def whole(self) -> NDArray[np.bool_]:
+        """Whether each cell is a whole face, (cells,)."""
+        domain = self.surface.domain
+        return np.asarray((domain.half_edge >= 0).sum(axis=1) == domain.shape)
+
+    @cached_property
+    def face(self) -> Rows:
+        """The face of each cell, (cells,)."""
+        return np.asarray(self.surface.topology.face[self.surface.domain.half_edge.max(axis=1)], np.int64)
+
+    @cached_property
+    def side(self) -> Rows:
+        """The half-edge of the control mesh on which each cell's side lies, (cells, 4); -1 inside a face."""
+        t, half_edge = self.surface.topology, self.surface.domain.half_edge
+        before = np.empty(len(t.following), np.int64)
+        before[t.following] = np.arange(len(t.following))
+        entering = np.roll(half_edge, -1, axis=1)
+        arrives = np.where(entering >= 0, before[entering], -1)
+        return np.where(half_edge >= 0, half_edge, np.where(self.whole[:, None], -1, arrives))
+
+    def vertices(self) -> Floats:
+        """Points of the surface at the control vertices, (n, 3)."""
+        t = self.surface.topology
+        cell, corner = (place[t.outgoing] for place in self._corner_of)
+        return self._at(cell, CORNERS[self.surface.domain.shape[cell], corner])
+
+    def middles(self, half_edges: Rows) -> Floats:
+        """Points of the surface in the middle of sides, (k, 3)."""
+        cell, corner = (place[half_edges] for place in self._corner_of)
+        share = np.where(self.whole[cell], 0.5, 1.0)
+        return self._at(cell, self.surface.domain.along(cell, corner, share))
+
+    def centres(self, faces: Rows) -> Floats:
+        """Points of the surface in the middle of faces, (k, 3)."""
+        cell, corner = (place[self.surface.topology.face_offsets[faces]] for place in self._corner_of)
+        shape = self.surface.domain.shape[cell]
+        inside = np.where((shape == TRIANGLE)[:, None], 1 / 3, 0.5)
+        opposite = CORNERS[shape, (corner + 2) % 4]
+        return self._at(cell, np.where(self.whole[cell][:, None], inside, opposite))
+
+    def _at(self, cell: Rows, uv: Floats) -> Floats:
+        return self.surface.evaluate(cell, uv).position
