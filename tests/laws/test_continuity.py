@@ -6,11 +6,18 @@ import pytest
 from shapes.parameters import CORNERS, along_side, sides, size
 from shapes.sectors import corners_of
 
-FLAT_SECTORS = {"loop": (5, 2)}
+FLAT_SECTORS = {"loop": (5, 2), "catmull-clark": (3, 1)}
 """Most cells in a sector between two sharp edges for which a tangent plane exists: at a crease vertex, at a corner.
 
 For Loop the subdominant eigenvalues of a crease vertex are 1/2 (along) and 3/8 + cos(pi/k)/4 (across) up to k = 5; at
-k = 6 the next one reaches 1/2. A corner's two sharp edges (1/2) are subdominant up to k = 2.
+k = 6 the next one reaches 1/2. A corner's two sharp edges (1/2) are subdominant up to k = 2. For Catmull-Clark the next
+eigenvalue of a crease vertex is .410 at k = 3 and reaches 1/2 at k = 4, that of a corner at k = 2.
+"""
+
+SLOW_SECTORS = {"loop": (5,), "catmull-clark": (1, 3)}
+"""Cells in sectors at crease vertices in which normals converge too slowly to be tested by a distance.
+
+For Loop .488 / .5 a level; for Catmull-Clark .410 / .5, and like 1 / level in a single cell (a Jordan block of 1/4).
 """
 
 
@@ -88,11 +95,12 @@ def test_normals_agree_round_every_vertex_with_a_tangent_plane(surface):
 
 
 def test_normals_in_the_corners_are_limits_of_normals_inside(surface):
-    """At 2^-24 from the corner: of the sectors kept here a dart of eight cells is slowest, (.433 / .527)^24 = .009."""
+    """At 2^-24 from the corner: of the sectors kept here a dart of six quads is slowest, (.480 / .579)^24 = .011."""
     corners = corners_of(surface)
     keep = flat(corners, surface.scheme.name) & (corners.cells <= 8)
-    keep &= (corners.sharp_sides < 2) | (corners.cells != 5)
+    slow = np.isin(corners.cells, SLOW_SECTORS[surface.scheme.name]) & ~corners.pinned
+    keep &= (corners.sharp_sides != 2) | ~slow
     face, uv = corners.face[keep], corners.uv[keep]
-    middle = np.array([CORNERS[int(surface.domain.shape[f])].mean(axis=0) for f in face])
+    middle = np.reshape([CORNERS[int(surface.domain.shape[f])].mean(axis=0) for f in face], (-1, 2))
     inside = surface.normals(face, uv + 2.0**-24 * (middle - uv))
-    assert np.abs(inside - surface.normals(face, uv)).max() < 0.01
+    assert np.abs(inside - surface.normals(face, uv)).max(initial=0) < 0.02

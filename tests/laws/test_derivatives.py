@@ -5,7 +5,6 @@ import pytest
 
 from shapes.parameters import CORNERS, inside, size
 from shapes.sectors import corners_of
-from subdfit.schemes.domain import TRIANGLE
 
 STEP = np.array([[[1, 0], [-1, 0]], [[0, 1], [0, -1.0]]])
 
@@ -39,17 +38,20 @@ def test_positions_converge_to_the_corner_without_turning_back(surface, directio
     domain = surface.domain
     powers = 2.0 ** -np.arange(3, 61)
     noise = 4e-16 * 10 * size(surface.control_mesh)
-    for i in range(3):
-        face = np.flatnonzero(domain.shape == TRIANGLE)
-        corner, a, b = CORNERS[3][i], CORNERS[3][(i + 1) % 3], CORNERS[3][(i + 2) % 3]
+    for shape, i in [(3, 0), (3, 1), (3, 2), (4, 0), (4, 1), (4, 2), (4, 3)]:
+        face = np.flatnonzero(domain.shape == shape)
+        if len(face) == 0:
+            continue
+        corner, a, b = CORNERS[shape][i], CORNERS[shape][(i + 1) % shape], CORNERS[shape][i - 1]
         ray = (1 - direction) * a + direction * b - corner
         uv = np.tile(corner + powers[:, None] * ray, (len(face), 1))
         value = surface.evaluate(np.repeat(face, len(powers)), uv, 2)
         assert all(np.isfinite(array).all() for array in value)
         limit = surface.evaluate(face, np.tile(corner, (len(face), 1))).position
         distance = np.linalg.norm(value.position.reshape(len(face), -1, 3) - limit[:, None], axis=2)
-        assert (distance[:, -1] < 1e-8 * size(surface.control_mesh)).all()
-        assert (distance[:, 1:] <= distance[:, :-1] + noise).all()
+        assert (distance[:, -1:] < 1e-8 * size(surface.control_mesh)).all()
+        # Nearer than 2^-45 a parameter beside 1 has few digits left.
+        assert (distance[:, 1:43] <= distance[:, :42] + noise).all()
 
 
 def test_derivatives_in_the_corners_are_of_the_size_of_the_mesh(surface):

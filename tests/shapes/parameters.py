@@ -4,6 +4,7 @@ from functools import cache
 
 import numpy as np
 
+from shapes.polygons import POLYGONS
 from shapes.zoo import ZOO, mesh_of
 from subdfit.errors import InputError
 from subdfit.limit import LimitSurface
@@ -12,11 +13,8 @@ from subdfit.schemes.domain import TRIANGLE
 
 CORNERS = {3: np.array([[0, 0], [1, 0], [0, 1.0]]), 4: np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]])}
 
-CHILDREN = {
-    "loop": 0.5
-    * np.array([[[0, 0], [1, 0], [0, 1]], [[1, 0], [2, 0], [1, 1]], [[0, 1], [1, 1], [0, 2]], [[1, 1], [0, 1], [1, 0]]])
-}
-"""For schemes that cut a triangle in four: (children, corners, 2), the child's corners in its parent's parameters."""
+TASTE = ("tetrahedron", "fan 5", "half fan 1", "half fan 4", "dart 5", "parted 6 2", "semi across")
+"""Triangle meshes that schemes for polygons see too."""
 
 
 @cache
@@ -34,7 +32,13 @@ def takes(scheme, mesh):
     return True
 
 
-CASES = [(scheme, name) for scheme in SCHEMES for name in ZOO if takes(scheme, mesh_of(name))]
+def names_for(scheme):
+    """The shapes that the laws show a scheme."""
+    names = ZOO if scheme == "loop" else (*TASTE, *POLYGONS)
+    return [name for name in names if takes(scheme, mesh_of(name))]
+
+
+CASES = [(scheme, name) for scheme in SCHEMES for name in names_for(scheme)]
 
 
 def size(mesh):
@@ -84,16 +88,58 @@ def sides(domain, sharp=None):
     return face, side, domain.neighbour[face, side], domain.neighbour_side[face, side]
 
 
-def child_of(scheme, face, uv):
-    """The child cells that hold the parameters after one step of refinement.
+QUARTERS = {
+    3: 0.5
+    * np.array(
+        [[[0, 0], [1, 0], [0, 1]], [[1, 0], [2, 0], [1, 1]], [[0, 1], [1, 1], [0, 2]], [[1, 1], [0, 1], [1, 0]]]
+    ),
+    4: 0.5
+    * np.array(
+        [
+            [[0, 0], [1, 0], [1, 1], [0, 1]],
+            [[2, 0], [2, 1], [1, 1], [1, 0]],
+            [[2, 2], [1, 2], [1, 1], [2, 1]],
+            [[0, 2], [0, 1], [1, 1], [1, 2]],
+        ]
+    ),
+}
+"""Children of a face that is a cell, in its parameters: one starts at each corner, a triangle's middle one is last."""
+
+
+def parents(scheme, topology):
+    """Where the cells of the refined mesh lie in those of the mesh: (cell (c,), corners (c, 4, 2), nan if none)."""
+    domain = SCHEMES[scheme].domain(topology)
+    if domain.face_count != topology.face_count:
+        # The mesh's cells are the faces of the refined mesh already.
+        return np.arange(domain.face_count), np.array([_padded(CORNERS[int(n)]) for n in domain.shape])
+    cell = np.repeat(np.arange(domain.face_count), 4)
+    return cell, np.concatenate([[_padded(quarter) for quarter in QUARTERS[int(n)]] for n in domain.shape])
+
+
+def _padded(corners):
+    return np.vstack([corners, np.full((4 - len(corners), 2), np.nan)])
+
+
+def child_of(scheme, topology, face, uv):
+    """The cells of the refined mesh that hold parameters of the mesh.
 
     Returns
     -------
     face, uv : of the child; jacobian (k, 2, 2), derivative of the child's parameters by the parent's.
     """
-    corners = CHILDREN[scheme]
-    inverse = np.linalg.inv(np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=2))
-    local = np.einsum("cij,ckj->cki", inverse, np.asarray(uv)[None] - corners[:, :1])
-    inner = np.min(np.stack([local[..., 0], local[..., 1], 1 - local.sum(axis=2)]), axis=0)
-    child = np.argmax(inner, axis=0)
-    return len(corners) * np.asarray(face) + child, local[child, np.arange(len(child))], inverse[child]
+    cell, corners = parents(scheme, topology)
+    order, face, uv = np.argsort(cell, kind="stable"), np.asarray(face), np.asarray(uv, float)
+    begin, count = np.searchsorted(cell[order], face), np.bincount(cell)[face]
+    triangle = np.isnan(corners[:, 3, 0])
+    last = np.where(triangle[:, None], corners[:, 2], corners[:, 3])
+    inverse = np.linalg.inv(np.stack([corners[:, 1] - corners[:, 0], last - corners[:, 0]], axis=2))
+    best = np.full(len(face), -np.inf)
+    child, local = np.zeros(len(face), int), np.zeros((len(face), 2))
+    for c in range(int(count.max())):
+        tried = order[np.minimum(begin + c, len(order) - 1)]
+        there = np.einsum("kij,kj->ki", inverse[tried], uv - corners[tried, 0])
+        far = np.where(triangle[tried], 1 - there.sum(axis=1), 1 - there.max(axis=1))
+        inner = np.where(c < count, np.minimum(there.min(axis=1), far), -np.inf)
+        better = inner > best
+        best[better], child[better], local[better] = inner[better], tried[better], there[better]
+    return child, local, inverse[child]

@@ -39,7 +39,7 @@ def corners_of(surface):
         sector,
         np.bincount(sector)[sector],
         sharp_sides(domain)[vertex],
-        tags[vertex] > 0,
+        np.isinf(tags[vertex]),
     )
 
 
@@ -50,6 +50,6 @@ def sharp_sides(domain):
         once = domain.neighbour[face, side] < face
         if once:
             corners = len(CORNERS[int(domain.shape[face])])
-            count[domain.vertex[face, side]] += 1
-            count[domain.vertex[face, (side + 1) % corners]] += 1
+            for vertex in domain.vertex[face, [side, (side + 1) % corners]]:
+                count[vertex] += vertex >= 0
     return count

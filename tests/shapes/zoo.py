@@ -236,6 +236,27 @@ def tagged_sphere(seed):
     return shape((points, faces), f"tagged sphere {seed}", crease_edges=edges, corner_vertices=random.choice(42, 2))
 
 
+def semi(seed):
+    """Semi-sharp creases and corners, strewn at random over a sphere."""
+    points, faces = halved(*octahedron_data())
+    mesh = ControlMesh.from_triangles(points, faces)
+    random = np.random.default_rng(seed)
+    edges = mesh.topology.edge_vertices[random.random(mesh.topology.edge_count) < 0.2]
+    return shape(
+        (points, faces),
+        f"semi {seed}",
+        crease_edges=edges,
+        crease_sharpness=random.uniform(0.2, 2.4, len(edges)),
+        corner_vertices=[0, 9],
+        corner_sharpness=[1.5, 0.4],
+    )
+
+
+def semi_across():
+    """A crease across an open square, of uneven sharpness: where it falls, part of the curve is sharp longer."""
+    return disc(crease_edges=[[10 + i, 11 + i] for i in range(4)], crease_sharpness=[0.5, 1.0, 1.7, 2.0])
+
+
 def two_components():
     points, faces = pyramid_data(4)
     other = np.vstack([[0, 0, 0.5], circle(5)]) + np.array([3, 0, 0])
@@ -273,6 +294,8 @@ ZOO: dict[str, Shape] = {
     "pinned dart": pinned_dart,
     "crease across": crease_across,
     **{f"tagged sphere {seed}": partial(tagged_sphere, seed) for seed in range(3)},
+    **{f"semi {seed}": partial(semi, seed) for seed in range(2)},
+    "semi across": semi_across,
     "two components": two_components,
 }
 
@@ -280,4 +303,6 @@ ZOO: dict[str, Shape] = {
 @cache
 def mesh_of(name: str) -> ControlMesh:
     """Return a shape of the zoo, made once."""
-    return ZOO[name]()
+    from shapes.polygons import POLYGONS
+
+    return (ZOO | POLYGONS)[name]()

@@ -1,10 +1,11 @@
 """Subdivision schemes by name: one file each behind the protocol of `subdfit.schemes.scheme`."""
 
 from subdfit.errors import InputError
+from subdfit.schemes.catmull_clark import CatmullClark
 from subdfit.schemes.loop import Loop
 from subdfit.schemes.scheme import Refinement, Scheme
 
-SCHEMES: dict[str, Scheme] = {scheme.name: scheme for scheme in (Loop(),)}
+SCHEMES: dict[str, Scheme] = {scheme.name: scheme for scheme in (Loop(), CatmullClark())}
 
 __all__ = ["SCHEMES", "Refinement", "Scheme", "scheme_named"]
 

@@ -15,6 +15,30 @@ Faces = Literal["triangles", "polygons", "mixed"]
 """Faces a scheme takes: triangles alone; polygons of any kind, quads for choice; triangles and quads."""
 
 
+class Rows(Protocol):
+    """What refinement does to points: a sparse matrix, or the same without making one."""
+
+    @property
+    def matrix(self) -> sp.csr_array:
+        """(child vertices, vertices) sparse; its rows sum to one."""
+        ...
+
+    def apply(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """New positions (child vertices, 3) from points (n, 3)."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class MatrixRows:
+    """Refinement by a matrix that is there."""
+
+    matrix: sp.csr_array
+
+    def apply(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """New positions (child vertices, 3) from points (n, 3)."""
+        return np.asarray(self.matrix @ points)
+
+
 @dataclass(frozen=True, eq=False)
 class Refinement:
     """One step of subdivision.
@@ -22,15 +46,24 @@ class Refinement:
     Attributes
     ----------
     child : the refined connectivity.
-    matrix : (child vertices, vertices) sparse; its rows sum to one.
+    rows : what becomes of points.
     vertex_row : (n,) int64, the child vertex that each vertex becomes.
     edge_row : (e,) int64, the child vertex that stands for each edge.
     """
 
     child: Topology
-    matrix: sp.csr_array
+    rows: Rows
     vertex_row: NDArray[np.int64]
     edge_row: NDArray[np.int64]
+
+    @property
+    def matrix(self) -> sp.csr_array:
+        """(child vertices, vertices) sparse; its rows sum to one."""
+        return self.rows.matrix
+
+    def refined(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """New positions (child vertices, 3) from points (n, 3), without the matrix where the scheme can."""
+        return self.rows.apply(points)
 
 
 class Scheme(Protocol):

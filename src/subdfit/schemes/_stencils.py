@@ -1,0 +1,194 @@
+"""Refinement rules of schemes whose vertices stay: weights of neighbours and of face centroids, sharp or smooth.
+
+Semi-sharp tags follow OpenSubdiv's uniform rule: sharpness counts down by one a level; an edge of less than one blends
+the crease rule and the smooth rule; a vertex blends the rules before and after what expires in this step, by the mean
+sharpness of what does.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from subdfit.mesh.topology import Topology
+from subdfit.schemes import _stencil_kernels as kernels
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+
+class VertexMask(NamedTuple):
+    """A smooth vertex rule, (n,) each: weights of the vertex itself, of each neighbour, of each face's centroid."""
+
+    own: Floats
+    edge: Floats
+    centroid: Floats
+
+
+@dataclass(frozen=True)
+class SmoothRules:
+    """The smooth rules of a scheme.
+
+    Attributes
+    ----------
+    vertex : makes the vertex rule of all vertices of a mesh.
+    ends, side : weights of an edge's two ends and of the centroids beside it.
+    face_points : whether faces get a point, their centroid.
+    """
+
+    vertex: Callable[[Topology], VertexMask]
+    ends: float
+    side: float
+    face_points: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Stencils:
+    """One step of refinement of a mesh: `matrix`, or `apply` without one."""
+
+    topology: Topology
+    rules: SmoothRules
+
+    @cached_property
+    def weights(self) -> Floats:
+        """Vertex rules, (n, 5).
+
+        Columns: the vertex itself; each neighbour; each face's centroid; besides, each neighbour along an edge that is
+        sharp in this step, and each along one that is sharp in the next too.
+        """
+        t = self.topology
+        smooth = self.rules.vertex(t)
+        present, following = _Kinds.of(t, 0.0), _Kinds.of(t, 1.0)
+        share = _expiring(t)
+        out = share[:, None] * _kind_weights(smooth, present, 3)
+        out += (1 - share)[:, None] * _kind_weights(smooth, following, 4)
+        return out
+
+    def apply(self, points: Floats) -> Floats:
+        """New positions from points (n, 3): vertices, middles of edges, and centroids of faces if they get points."""
+        t, rules = self.topology, self.rules
+        found: Floats = kernels.refined_points(
+            t.face_offsets,
+            t.face_vertices,
+            t.following,
+            t.twin,
+            t.edge,
+            t.sharpness,
+            self.weights,
+            rules.ends,
+            rules.side,
+            rules.face_points,
+            np.ascontiguousarray(points, np.float64),
+        )
+        return found
+
+    @cached_property
+    def matrix(self) -> sp.csr_array:
+        """The same as a sparse matrix; its rows sum to one."""
+        centroids = centroid_rows(self.topology)
+        blocks = [self._vertex_rows(centroids), self._edge_rows(centroids)]
+        if self.rules.face_points:
+            blocks.append(centroids)
+        return sp.csr_array(sp.vstack(blocks, format="csr"))
+
+    def _vertex_rows(self, centroids: sp.csr_array) -> sp.csr_array:
+        t, weights = self.topology, self.weights
+        start, end, sharpness = directed_edges(t)
+        along = weights[start, 1] + (sharpness > 0) * weights[start, 3] + (sharpness > 1) * weights[start, 4]
+        return mask_rows(t, weights[:, 0], start, end, along, weights[:, 2], centroids)
+
+    def _edge_rows(self, centroids: sp.csr_array) -> sp.csr_array:
+        t, rules = self.topology, self.rules
+        crease = np.minimum(t.sharpness, 1.0)
+        ends = (1 - crease) * rules.ends + crease / 2
+        edges = np.arange(t.edge_count)
+        shape = (t.edge_count, t.vertex_count)
+        near = sp.csr_array((np.repeat(ends, 2), (np.repeat(edges, 2), t.edge_vertices.ravel())), shape=shape)
+        smooth = np.flatnonzero(crease[t.edge] < 1)
+        values = (1 - crease[t.edge[smooth]]) * rules.side
+        beside = sp.csr_array((values, (t.edge[smooth], t.face[smooth])), shape=(t.edge_count, t.face_count))
+        return sp.csr_array(near + beside @ centroids)
+
+
+@dataclass(frozen=True, eq=False)
+class _Kinds:
+    """Which rule vertices take, (n,) each: smooth (darts too), crease, corner."""
+
+    smooth: Flags
+    crease: Flags
+    corner: Flags
+
+    @classmethod
+    def of(cls, t: Topology, levels: float) -> "_Kinds":
+        """The rules after some levels, while the mesh's own edges are concerned."""
+        sharp = t.edge_vertices[t.sharpness > levels]
+        count = np.bincount(sharp.ravel(), minlength=t.vertex_count)
+        corner = (t.corner_sharpness > levels) | (count >= 3)
+        crease = ~corner & (count == 2)
+        return cls(~corner & ~crease, crease, corner)
+
+
+def _kind_weights(smooth: VertexMask, kinds: _Kinds, ring: int) -> Floats:
+    """The vertex rules of given kinds, (n, 5), a crease's neighbours in column `ring`."""
+    out = np.zeros((len(kinds.smooth), 5))
+    out[:, :3] = np.where(kinds.smooth[:, None], np.column_stack(smooth), 0.0)
+    out[kinds.crease, 0], out[kinds.crease, ring] = 6 / 8, 1 / 8
+    out[kinds.corner, 0] = 1.0
+    return out
+
+
+def _expiring(t: Topology) -> Floats:
+    """Share of the present rule at each vertex, (n,): the mean sharpness of the tags that expire in this step."""
+    total, count = np.zeros(t.vertex_count), np.zeros(t.vertex_count)
+    edges = np.flatnonzero((t.sharpness > 0) & (t.sharpness <= 1))
+    np.add.at(total, t.edge_vertices[edges], t.sharpness[edges, None])
+    np.add.at(count, t.edge_vertices[edges], 1)
+    corners = np.flatnonzero((t.corner_sharpness > 0) & (t.corner_sharpness <= 1))
+    total[corners] += t.corner_sharpness[corners]
+    count[corners] += 1
+    return np.divide(total, count, out=np.ones(t.vertex_count), where=count > 0)
+
+
+def later(sharpness: Floats) -> Floats:
+    """Sharpness one level later."""
+    return np.maximum(sharpness - 1.0, 0.0)
+
+
+def directed_edges(t: Topology) -> tuple[NDArray[np.int32], NDArray[np.int32], Floats]:
+    """Every edge both ways: from, to, and its sharpness, (2 e,)."""
+    a, b = t.edge_vertices.T
+    return np.concatenate([a, b]), np.concatenate([b, a]), np.concatenate([t.sharpness, t.sharpness])
+
+
+def centroid_rows(t: Topology) -> sp.csr_array:
+    """Centroids of the faces, (f, n) sparse."""
+    size = np.diff(t.face_offsets)
+    shape = (t.face_count, t.vertex_count)
+    return sp.csr_array((1 / np.repeat(size, size), t.face_vertices, t.face_offsets), shape=shape)
+
+
+def mask_rows(
+    t: Topology,
+    own: Floats,
+    start: NDArray[np.int32],
+    end: NDArray[np.int32],
+    along: Floats,
+    inner: Floats,
+    centroids: sp.csr_array,
+) -> sp.csr_array:
+    """Rows of vertex masks, (n, n): own weights, those along directed edges, and inner ones of centroids."""
+    used = along != 0
+    rows = np.concatenate([np.arange(t.vertex_count), start[used]])
+    columns = np.concatenate([np.arange(t.vertex_count), end[used]])
+    shape = (t.vertex_count, t.vertex_count)
+    matrix = sp.csr_array((np.concatenate([own, along[used]]), (rows, columns)), shape=shape)
+    corners = np.flatnonzero(inner[t.face_vertices] != 0)
+    if len(corners):
+        vertex = t.face_vertices[corners]
+        faces = sp.csr_array((inner[vertex], (vertex, t.face[corners])), shape=(t.vertex_count, t.face_count))
+        matrix = sp.csr_array(matrix + faces @ centroids)
+    return matrix

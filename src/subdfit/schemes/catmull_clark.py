@@ -1,0 +1,106 @@
+"""Catmull-Clark subdivision of polygon meshes, with boundaries, creases, darts and corners, semi-sharp ones too
+(Catmull and Clark 1978; DeRose, Kass and Truong 1998).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from subdfit.errors import InputError
+from subdfit.mesh.topology import Topology
+from subdfit.schemes._cells import face_cells
+from subdfit.schemes._compile import compile_patches
+from subdfit.schemes._limits import LimitRules, limit_rows
+from subdfit.schemes._quad_patches import QuadPatches
+from subdfit.schemes._stencils import SmoothRules, Stencils, VertexMask, later
+from subdfit.schemes.domain import Domain
+from subdfit.schemes.patch_table import PatchTable
+from subdfit.schemes.scheme import Refinement
+
+
+@dataclass(frozen=True)
+class CatmullClark:
+    """Catmull and Clark's scheme; boundary edges are sharp, vertices with three or more sharp edges are corners."""
+
+    name: str = "catmull-clark"
+
+    def validate(self, topology: Topology) -> None:
+        """Raise InputError unless all inner valences are 3 or more."""
+        t = topology
+        inner = np.ones(t.vertex_count, np.bool_)
+        inner[t.edge_vertices[t.boundary_edges]] = False
+        thin = np.flatnonzero(inner & (t.valence < 3))
+        if len(thin):
+            raise InputError(f"inner vertex {thin[0]} has valence 2; merge its two faces into one")
+
+    def domain(self, topology: Topology) -> Domain:
+        """One quad a face where all faces are quads; else a quad for every corner of a face, in `refine`'s order."""
+        if _quads_only(topology):
+            return face_cells(topology)
+        return face_cells(_split(topology), topology.vertex_count)
+
+    def refine(self, topology: Topology) -> Refinement:
+        """Cut every face in a quad a corner, half-edge h's child being face h, which begins at that corner.
+
+        Vertices keep their rows; the new vertex of edge e is row n + e, the centroid of face f row n + edges + f.
+        """
+        t = topology
+        child = _split(t)
+        rows = np.arange(t.vertex_count + t.edge_count)
+        return Refinement(child, Stencils(t, _RULES), rows[: t.vertex_count], rows[t.vertex_count :])
+
+    def limit_rows(self, topology: Topology) -> sp.csr_array:
+        """Limit masks of all vertices: smooth, crease and boundary, dart, corner; semi-sharp ones by refining first."""
+        patches = QuadPatches(self.refine)
+        return limit_rows(LimitRules(_limit_mask, patches.limit_mask, 4, self.refine), topology)
+
+    def patches(self, topology: Topology) -> PatchTable:
+        """Compile for exact evaluation: one bicubic patch a cell, several where rules or irregular corners part it."""
+        self.validate(topology)
+        if _quads_only(topology):
+            return compile_patches(QuadPatches(self.refine), topology)
+        step = self.refine(topology)
+        return compile_patches(QuadPatches(self.refine), step.child, step.matrix)
+
+
+def _quads_only(t: Topology) -> bool:
+    return bool(np.all(np.diff(t.face_offsets) == 4))
+
+
+def _split(t: Topology) -> Topology:
+    """Child h begins at half-edge h's origin, and runs over its middle, the centroid and the middle before."""
+    n, count = t.vertex_count, len(t.face_vertices)
+    centroid = (n + t.edge_count + t.face).astype(np.int32)
+    before = np.empty(count, np.int32)
+    before[t.following] = np.arange(count, dtype=np.int32)
+    corners = np.column_stack([t.face_vertices, n + t.edge, centroid, n + t.edge[before]]).astype(np.int32)
+    twin = np.empty((count, 4), np.int32)
+    twin[:, 0] = np.where(t.twin < 0, -1, 4 * t.following[t.twin] + 3)
+    twin[:, 1] = 4 * t.following + 2
+    twin[:, 2] = 4 * before + 1
+    twin[:, 3] = np.where(t.twin[before] < 0, -1, 4 * t.twin[before])
+    offsets = np.arange(0, 4 * count + 1, 4, dtype=np.int32)
+    child = Topology.from_twins(offsets, corners.ravel(), twin.ravel(), n + t.edge_count + t.face_count)
+    # An inner edge's two halves are the first halves of its two half-edges; those of the boundary are sharp already.
+    child.sharpness[child.edge[::4]] = later(t.sharpness)[t.edge]
+    child.corner_sharpness[:n] = later(t.corner_sharpness)
+    return child
+
+
+def _vertex_mask(t: Topology) -> VertexMask:
+    """Catmull and Clark's vertex rule: (n - 2) / n itself, 1 / n^2 each neighbour and each face's centroid."""
+    n = t.valence.astype(np.float64)
+    return VertexMask((n - 2) / n, 1 / n**2, 1 / n**2)
+
+
+def _limit_mask(t: Topology) -> VertexMask:
+    """Limit of an inner vertex among any polygons: (n (n - 1) V + 2 sum E + 4 sum C) / (n (n + 5)).
+
+    E are its neighbours, C the centroids of its faces (Halstead, Kass and DeRose 1993, for the mesh once refined).
+    """
+    n = t.valence.astype(np.float64)
+    return VertexMask((n - 1) / (n + 5), 2 / (n * (n + 5)), 4 / (n * (n + 5)))
+
+
+_RULES = SmoothRules(_vertex_mask, ends=1 / 4, side=1 / 4, face_points=True)
