@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from initial.initial_laws import annulus, read, sphere, square, torus
 
+from initial.initial_laws import annulus, read, sphere, square, torus
 from subdfit.initial.decimate import decimate
 from subdfit.initial.pairing import pair_quality, pair_triangles
 from subdfit.mesh.control_mesh import ControlMesh
@@ -35,7 +35,7 @@ def test_a_quad_of_right_angles_is_best() -> None:
     quality = pair_quality(mesh.points, mesh.topology)
     assert sorted(quality)[-2:] == pytest.approx([1, 1])
     assert np.count_nonzero(quality) == 2
-    folded = mesh.with_points(points + [[0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 1.0]])
+    folded = mesh.with_points(points + np.array([[0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 1.0]]))
     assert pair_quality(folded.points, mesh.topology).max() < 0.7
 
 

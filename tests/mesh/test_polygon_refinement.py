@@ -1,5 +1,7 @@
 """Local refinement of polygons: what stays, what is kept, and which faces come of which marks."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -149,7 +151,7 @@ def test_a_larger_polygon_is_cut_at_all_sides() -> None:
 def test_creases_and_corners_keep_their_tags(polygons: bool) -> None:
     flat = sheet(4)
     row = [5 * 2 + j for j in range(5)]
-    pairs = np.array(list(zip(row, row[1:], strict=False)))
+    pairs = np.array(list(itertools.pairwise(row)))
     data = flat.to_data()
     mesh = ControlMesh.from_data(
         MeshData(

@@ -6,7 +6,7 @@ The names are repeated here because the registries they come from import compile
 import argparse
 from typing import Any
 
-SCHEMES = ("loop",)
+SCHEMES = ("loop", "catmull-clark")
 METHODS = ("auto", "geometric")
 INTERPOLATION_METHODS = ("cg", "chebyshev", "over-relaxation", "progressive")
 

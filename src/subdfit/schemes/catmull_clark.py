@@ -16,7 +16,7 @@ from subdfit.schemes._quad_patches import QuadPatches
 from subdfit.schemes._stencils import SmoothRules, Stencils, VertexMask, later
 from subdfit.schemes.domain import Domain
 from subdfit.schemes.patch_table import PatchTable
-from subdfit.schemes.scheme import Refinement
+from subdfit.schemes.scheme import Faces, Refinement
 
 
 @dataclass(frozen=True)
@@ -24,6 +24,7 @@ class CatmullClark:
     """Catmull and Clark's scheme; boundary edges are sharp, vertices with three or more sharp edges are corners."""
 
     name: str = "catmull-clark"
+    faces: Faces = "polygons"
 
     def validate(self, topology: Topology) -> None:
         """Raise InputError unless all inner valences are 3 or more."""
@@ -82,7 +83,7 @@ def _split(t: Topology) -> Topology:
     twin[:, 3] = np.where(t.twin[before] < 0, -1, 4 * t.twin[before])
     offsets = np.arange(0, 4 * count + 1, 4, dtype=np.int32)
     child = Topology.from_twins(offsets, corners.ravel(), twin.ravel(), n + t.edge_count + t.face_count)
-    # An inner edge's two halves are the first halves of its two half-edges; those of the boundary are sharp already.
+    # The halves of an inner edge are the first halves of its two half-edges; those of the boundary are sharp.
     child.sharpness[child.edge[::4]] = later(t.sharpness)[t.edge]
     child.corner_sharpness[:n] = later(t.corner_sharpness)
     return child

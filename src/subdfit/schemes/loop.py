@@ -52,7 +52,7 @@ class Loop:
         corners, twin = kernels.split_triangles(t.face_vertices, t.twin, t.edge, t.vertex_count)
         offsets = np.arange(0, len(corners) + 1, 3, dtype=np.int32)
         child = Topology.from_twins(offsets, corners, twin, t.vertex_count + t.edge_count)
-        # An inner edge's two halves are the first halves of its two half-edges; those of the boundary are sharp already.
+        # The halves of an inner edge are the first halves of its two half-edges; those of the boundary are sharp.
         child.sharpness[child.edge[::4]] = later(t.sharpness)[t.edge]
         child.corner_sharpness[: t.vertex_count] = later(t.corner_sharpness)
         rows = np.arange(t.vertex_count + t.edge_count)
