@@ -77,6 +77,17 @@ def test_points_that_coincide_or_lie_in_a_plane():
         np.testing.assert_allclose(result.surface.vertex_limits(), flat, atol=1e-11)
 
 
+def test_fair_keeps_the_vertices_first():
+    mesh = mesh_of("crease across")
+    result = subdfit.interpolate(mesh, fair=True)
+    n = mesh.topology.vertex_count
+    assert result.control_mesh.topology.vertex_count > 3 * n
+    assert np.linalg.norm(result.surface.vertex_limits()[:n] - mesh.points, axis=1).max() <= 1e-12 * result.diagonal
+    document = result.to_dict()
+    assert document["energy"]["fair"] <= document["energy"]["plain"]
+    assert document["errors"]["crease"]["max"] <= 1e-12
+
+
 def test_bad_options():
     data = octahedron_data()
     for option in (

@@ -43,6 +43,14 @@ def test_creases_of_the_file_are_kept(cage, tmp_path):
     assert (tmp_path / "s.glb").stat().st_size > 100
 
 
+def test_fair(cage, tmp_path):
+    out, document = tmp_path / "fair.obj", tmp_path / "f.json"
+    assert main(["interpolate", str(cage), "-o", str(out), "--fair", "--json", str(document), "--quiet"]) == 0
+    limits = subdfit.LimitSurface(out).vertex_limits()
+    assert np.abs(limits[:6] - subdfit.read(cage).points).max() < 1e-12
+    assert json.loads(document.read_text())["energy"]["fair"] >= 0
+
+
 def test_bad_calls_write_nothing(sphere, tmp_path, capsys):
     out = str(tmp_path / "cage.obj")
     for more in (["--tolerance", "2"], ["--creases", "sharp"], ["--scheme", "loop", "--method", "magic"]):

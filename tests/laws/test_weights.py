@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from shapes.parameters import anywhere, size
+from shapes.parameters import anywhere, inside, size
 from shapes.zoo import scattered
 
 
@@ -44,6 +44,18 @@ def test_evaluation_equals_weights_times_points(surface, strewn):
     rows, scale = derivative_rows(surface, face, uv)
     for d in (0, 1):
         assert (np.abs(rows[d] @ points - value.first[:, d]) / scale[:, None]).max() < 1e-13 * length
+
+
+def test_second_derivatives_equal_their_weights_times_points(surface):
+    """Inside faces: at irregular corners the surface has none."""
+    surface = surface.with_points(scattered(surface.control_mesh).points)
+    face, uv = inside(surface.domain)
+    second = surface.evaluate(face, uv, 2).second
+    for column, derivative in enumerate((3, 4, 5)):
+        rows = surface.weights(face, uv, derivative)
+        scale = np.abs(rows).sum(axis=1).clip(1)[:, None]
+        assert (np.abs(rows @ surface.control_mesh.points - second[:, column]) / scale).max() < 1e-13 * 20
+        assert (np.abs(rows.sum(axis=1)) / scale[:, 0]).max() < 1e-13
 
 
 def test_fewer_derivatives_do_not_change_the_rest(surface):

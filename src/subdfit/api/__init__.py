@@ -3,7 +3,8 @@
 from subdfit.api.cages import control_mesh_of
 from subdfit.api.files import read, write
 from subdfit.api.fitting import fit
-from subdfit.api.interpolating import InterpolationResult, interpolate
+from subdfit.api.interpolating import interpolate
+from subdfit.api.interpolation_result import InterpolationResult
 from subdfit.api.measuring import Comparison, compare, measure
 from subdfit.api.pictures import history_picture, picture
 from subdfit.api.result import FitResult

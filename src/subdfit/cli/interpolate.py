@@ -33,6 +33,11 @@ def add_parser(commands: Any) -> None:
         help="cg: corners, curves, then conjugate gradients (default); progressive: Cheng et al., as printed; "
         "over-relaxation, chebyshev: that iteration with better factors",
     )
+    parser.add_argument(
+        "--fair",
+        action="store_true",
+        help="refine once and take the surface of least thin-plate energy through all vertices (fewer ripples)",
+    )
     options.add_creases(parser)
     parser.add_argument(
         "--tolerance",
@@ -53,7 +58,7 @@ def run(args: argparse.Namespace, console: Console) -> int:
     from subdfit import api
 
     check_outputs(args.output, [args.mesh], documents=[args.json])
-    names = ("scheme", "method", "creases", "tolerance", "unit", "threads")
+    names = ("scheme", "method", "fair", "creases", "tolerance", "unit", "threads")
     result = api.interpolate(args.mesh, **{name: getattr(args, name) for name in names})
     clock = time.perf_counter()
     console.stage("writing")

@@ -299,7 +299,7 @@ def row_sizes(patches, cell, uv):  # type: ignore[no-untyped-def]
 def weights(patches, cell, uv, offsets, start, stop, derivative, columns, values):  # type: ignore[no-untyped-def]
     """Write the sparse rows of points ``start`` to ``stop``: weights of patch points.
 
-    `derivative` is 0 for the position, 1 for the derivative by u, 2 by v.
+    `derivative` is 0 for the position, 1 and 2 for the derivative by u and v, 3 to 5 for those by uu, uv and vv.
     """
     powers_x = np.ones(5)
     powers_y = np.ones(5)
@@ -320,8 +320,15 @@ def weights(patches, cell, uv, offsets, start, stop, derivative, columns, values
                     monomial[at] = powers_x[i] * powers_y[j]
                 elif derivative == 1:
                     monomial[at] = xu * by_x + yu * by_y
-                else:
+                elif derivative == 2:
                     monomial[at] = xv * by_x + yv * by_y
+                else:
+                    by_xx = i * (i - 1) * powers_x[max(i - 2, 0)] * powers_y[j]
+                    by_xy = i * j * powers_x[max(i - 1, 0)] * powers_y[max(j - 1, 0)]
+                    by_yy = j * (j - 1) * powers_x[i] * powers_y[max(j - 2, 0)]
+                    xa, ya = (xv, yv) if derivative == 5 else (xu, yu)
+                    xb, yb = (xu, yu) if derivative == 3 else (xv, yv)
+                    monomial[at] = xa * xb * by_xx + (xa * yb + ya * xb) * by_xy + ya * yb * by_yy
                 at += 1
         if at == 15:
             monomial[15] = 0.0

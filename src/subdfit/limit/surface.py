@@ -202,7 +202,7 @@ class LimitSurface:
         face, uv
             As in `evaluate`.
         derivative
-            0 for the position, 1 for the derivative by u, 2 for that by v.
+            0 for the position, 1 and 2 for the derivatives by u and v, 3 to 5 for those by uu, uv and vv.
         """
         cell, parameter = self._checked(face, uv)
         offsets, columns, values = self.patch_weights(cell, parameter, derivative)
