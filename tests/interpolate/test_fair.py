@@ -5,8 +5,8 @@ import pytest
 
 from shapes.parameters import CASES, surface_of
 from shapes.zoo import grid_data, mesh_of
-from subdfit.errors import InputError
 from subdfit.initial import decimate
+from subdfit.initial.components import keep_components
 from subdfit.interpolate import LimitOperator, fair_interpolation, interpolate_points
 from subdfit.interpolate.energy import thin_plate
 from subdfit.io import read
@@ -83,7 +83,7 @@ def test_the_data_are_met_and_nothing_is_lower(case):
     fair = fair_interpolation(SCHEMES[scheme], data, plain)
     n = data.topology.vertex_count
     assert fair.distances.max() <= 1e-12
-    assert fair.after <= fair.before * (1 + 1e-12)
+    assert fair.after <= fair.before + 1e-9
     step = SCHEMES[scheme].refine(data.topology)
     energy = thin_plate(LimitSurface(ControlMesh(step.child, step.matrix @ data.points), scheme))
     constraint = SCHEMES[scheme].limit_rows(step.child).toarray()[:n]
@@ -97,18 +97,15 @@ def test_the_data_are_met_and_nothing_is_lower(case):
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
-@pytest.mark.parametrize("name", ["beethoven", "bunny", "fandisk"])
+@pytest.mark.parametrize("name", ["beethoven", "bunny"])
 def test_ripples_become_fewer_on_real_meshes(scheme, name, meshes):
-    """The bunny decimated to 4,000 vertices, for time."""
+    """The bust without its specks of two triangles; the bunny decimated to 2,000 vertices, for time."""
     data = mend(read(meshes / f"{name}.ply")).data
-    mesh = ControlMesh.from_data(data)
+    found = keep_components(data.points, data.face_vertices.reshape(-1, 3), 1)
     if name == "bunny":
-        found = decimate(data.points, data.face_vertices.reshape(-1, 3), 4000)
-        mesh = ControlMesh.from_triangles(found.points, found.triangles)
-    try:
-        SCHEMES[scheme].validate(mesh.topology)
-    except InputError as error:
-        pytest.skip(str(error))
+        found = decimate(found.points, found.triangles, 2000)
+    mesh = ControlMesh.from_triangles(found.points, found.triangles)
+    SCHEMES[scheme].validate(mesh.topology)
     data, plain = interpolated(scheme, mesh)
     fair = fair_interpolation(SCHEMES[scheme], data, plain)
     assert fair.distances.max() <= 1e-12

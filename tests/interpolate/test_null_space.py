@@ -87,3 +87,13 @@ def test_alternating_vectors_are_all_there_are(case):
     B = LimitOperator.of(SCHEMES[scheme].limit_rows(topology))
     values = np.linalg.svd(B.matrix.toarray(), compute_uv=False)
     assert np.count_nonzero(values < 1e-10) == NullSpace.of(B, topology).count
+
+
+@pytest.mark.parametrize("case", CASES, ids=["-".join(case).replace(" ", "_") for case in CASES])
+def test_the_least_solution_of_the_zoo(case):
+    """As the pseudo-inverse gives it, symmetric or not."""
+    scheme, name = case
+    mesh = mesh_of(name)
+    B = LimitOperator.of(SCHEMES[scheme].limit_rows(mesh.topology))
+    found = interpolate_points(B, mesh.topology, mesh.points, "cg", 1e-12, 1000)
+    np.testing.assert_allclose(found.points, np.linalg.pinv(B.matrix.toarray(), rtol=1e-10) @ mesh.points, atol=1e-9)

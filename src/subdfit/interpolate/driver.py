@@ -65,7 +65,7 @@ def interpolate_points(
         One of `METHODS`.
     """
     null_space = NullSpace.of(B, topology)
-    reachable = null_space.without(data)
+    reachable = null_space.reachable(data)
     residuals: list[float] = []
     points, least = reachable, np.inf
     while True:
@@ -74,7 +74,7 @@ def interpolate_points(
         if interrupted or true <= tolerance or not true < least / 2 or len(residuals) >= most_iterations:
             break
         least = true
-    points = null_space.without(points)
+    points = null_space.least(points)
     distances = B.distances(points, data)
     status: Status = "interrupted" if interrupted else "best_effort"
     if distances.max() <= tolerance:
