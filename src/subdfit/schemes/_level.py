@@ -50,12 +50,16 @@ class Level:
 
     @property
     def semi_sharp(self) -> NDArray[np.bool_]:
-        """Vertices whose rules change within some levels: a tag of finite sharpness is there or on an edge there."""
-        t = self.topology
-        flags = (t.corner_sharpness > 0) & np.isfinite(t.corner_sharpness)
-        edges = (t.sharpness > 0) & np.isfinite(t.sharpness)
-        flags[t.edge_vertices[edges]] = True
-        return np.asarray(flags)
+        """See `semi_sharp`."""
+        return semi_sharp(self.topology)
+
+
+def semi_sharp(t: Topology) -> NDArray[np.bool_]:
+    """Vertices whose rules change within some levels: a tag of finite sharpness is there or on an edge there."""
+    flags = (t.corner_sharpness > 0) & np.isfinite(t.corner_sharpness)
+    edges = (t.sharpness > 0) & np.isfinite(t.sharpness)
+    flags[t.edge_vertices[edges]] = True
+    return np.asarray(flags)
 
 
 def preceding(t: Topology) -> Indices:

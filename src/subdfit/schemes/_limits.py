@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from subdfit.mesh.topology import Topology
 from subdfit.schemes._corner_type import CornerType
-from subdfit.schemes._level import Level, Piece
-from subdfit.schemes._stencils import VertexMask, centroid_rows, directed_edges, mask_rows
+from subdfit.schemes._level import Level, Piece, semi_sharp, sharp_edges_round
+from subdfit.schemes._stencils import VertexMask, mask_rows
 from subdfit.schemes.scheme import Refinement
 
 Floats = NDArray[np.float64]
@@ -46,11 +46,14 @@ def limit_rows(rules: LimitRules, t: Topology, chosen: Rows | None = None) -> sp
     csr_array
         (chosen, n).
     """
-    level = Level.of(t)
-    crease, dart = ~level.pinned & (level.sharp_count == 2), ~level.pinned & (level.sharp_count == 1)
-    waiting = level.semi_sharp
+    count = sharp_edges_round(t, np.isinf(t.sharpness)[t.edge])
+    pinned = np.isinf(t.corner_sharpness) | (count >= 3)
+    smooth, dart, crease = (~pinned & (count == sharp) for sharp in range(3))
+    waiting = semi_sharp(t)
     waiting |= dart & (_other_faces(t, rules.corners) > 0)
-    matrix = sp.csr_array(_stationary(rules, t, level, crease, dart) + _darts(rules, level, dart & ~waiting))
+    matrix, dart = _stationary(rules, t, smooth, crease, pinned), dart & ~waiting
+    if dart.any():
+        matrix = sp.csr_array(matrix + _darts(rules, Level.of(t), dart))
     if chosen is not None:
         matrix, waiting = sp.csr_array(matrix[chosen]), waiting[chosen]
     rows = np.flatnonzero(waiting)
@@ -70,15 +73,15 @@ def _other_faces(t: Topology, corners: int) -> NDArray[np.int64]:
 
 
 def _stationary(
-    rules: LimitRules, t: Topology, level: Level, crease: NDArray[np.bool_], dart: NDArray[np.bool_]
+    rules: LimitRules, t: Topology, smooth: NDArray[np.bool_], crease: NDArray[np.bool_], pinned: NDArray[np.bool_]
 ) -> sp.csr_array:
     """Rows of all but darts, whose rows are empty."""
-    smooth = ~level.pinned & (level.sharp_count == 0)
-    own, edge, inner = (np.where(smooth, weight, 0.0) for weight in rules.smooth(t))
-    own[crease], own[level.pinned] = 4 / 6, 1
-    start, end, sharpness = directed_edges(t)
-    along = edge[start] + np.where(crease[start] & np.isinf(sharpness), 1 / 6, 0)
-    return mask_rows(t, own, start, end, along, inner, centroid_rows(t))
+    weights = np.zeros((t.vertex_count, 5))
+    for column, weight in enumerate(rules.smooth(t)):
+        weights[:, column] = np.where(smooth, weight, 0.0)
+    weights[crease, 0], weights[crease, 3] = 4 / 6, 1 / 6
+    weights[pinned, 0] = 1.0
+    return mask_rows(t, weights)
 
 
 def _darts(rules: LimitRules, level: Level, darts: NDArray[np.bool_]) -> sp.csr_array:
@@ -93,8 +96,6 @@ def _darts(rules: LimitRules, level: Level, darts: NDArray[np.bool_]) -> sp.csr_
         rows.append(np.full(len(ring), v))
         values.append(rules.ring(CornerType(int(t.valence[v]), 0, closed=True, dart=True, pinned=False)))
     shape = (t.vertex_count, t.vertex_count)
-    if not rows:
-        return sp.csr_array(shape)
     return sp.csr_array((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
 
 

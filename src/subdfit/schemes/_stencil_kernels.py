@@ -1,8 +1,19 @@
-"""Refinement without a matrix: new positions from vertices, their neighbours and the centroids of faces."""
+"""Refinement without a matrix, and rows of vertex masks: vertices, their neighbours and the centroids of faces."""
 
 import numpy as np
 
-from subdfit.compiled import kernel
+from subdfit.compiled import inlined_kernel, kernel
+
+
+@inlined_kernel
+def along(weights, v, sharpness):  # type: ignore[no-untyped-def]
+    """Weight that v gives to its neighbour along an edge."""
+    total = weights[v, 1]
+    if sharpness > 0.0:
+        total += weights[v, 3]
+    if sharpness > 1.0:
+        total += weights[v, 4]
+    return total
 
 
 @kernel
@@ -34,15 +45,10 @@ def refined_points(  # type: ignore[no-untyped-def]
         for h in range(begin, end):
             v, w = face_vertices[h], face_vertices[following[h]]
             s = sharpness[edge[h]]
-            along = weights[v, 1]
-            if s > 0.0:
-                along += weights[v, 3]
-            if s > 1.0:
-                along += weights[v, 4]
-            inner = weights[v, 2]
-            out[v, 0] += along * points[w, 0] + inner * x
-            out[v, 1] += along * points[w, 1] + inner * y
-            out[v, 2] += along * points[w, 2] + inner * z
+            near, inner = along(weights, v, s), weights[v, 2]
+            out[v, 0] += near * points[w, 0] + inner * x
+            out[v, 1] += near * points[w, 1] + inner * y
+            out[v, 2] += near * points[w, 2] + inner * z
             if twin[h] < 0:
                 back = weights[w, 3] + weights[w, 4]
                 for d in range(3):
@@ -58,3 +64,70 @@ def refined_points(  # type: ignore[no-untyped-def]
                 for d in range(3):
                     out[at, d] += share * (points[v, d] + points[w, d])
     return out
+
+
+@inlined_kernel
+def add_entry(columns, values, begin, end, column, value):  # type: ignore[no-untyped-def]
+    """Add to a row that lies at ``begin`` to ``end``, its columns ascending; return its new end."""
+    at = end
+    while at > begin and columns[at - 1] >= column:
+        at -= 1
+    if at < end and columns[at] == column:
+        values[at] += value
+        return end
+    for k in range(end, at, -1):
+        columns[k], values[k] = columns[k - 1], values[k - 1]
+    columns[at], values[at] = column, value
+    return end + 1
+
+
+@kernel
+def mask_rows(face_offsets, face_vertices, edge_vertices, sharpness, weights):  # type: ignore[no-untyped-def]
+    """Write the rows of vertex masks in CSR form, columns ascending, without zeros but on the diagonal.
+
+    The columns of `weights` (n, 5) are those of `subdfit.schemes._stencils.Stencils.weights`.
+
+    Returns
+    -------
+    offsets (n + 1,), columns : int32; values.
+    """
+    n, faces = len(weights), len(face_offsets) - 1
+    room = np.ones(n + 1, np.int64)
+    for e in range(len(sharpness)):
+        for side in range(2):
+            v = edge_vertices[e, side]
+            if along(weights, v, sharpness[e]) != 0.0:
+                room[v] += 1
+    for f in range(faces):
+        for h in range(face_offsets[f], face_offsets[f + 1]):
+            if weights[face_vertices[h], 2] != 0.0:
+                room[face_vertices[h]] += face_offsets[f + 1] - face_offsets[f] - 1
+    total = 0
+    for v in range(n + 1):
+        room[v], total = total, total + room[v]
+    columns = np.empty(room[n], np.int32)
+    values = np.empty(room[n])
+    ends = room[:n].copy()
+    for v in range(n):
+        ends[v] = add_entry(columns, values, room[v], ends[v], v, weights[v, 0])
+    for e in range(len(sharpness)):
+        for side in range(2):
+            v = edge_vertices[e, side]
+            weight = along(weights, v, sharpness[e])
+            if weight != 0.0:
+                ends[v] = add_entry(columns, values, room[v], ends[v], edge_vertices[e, 1 - side], weight)
+    for f in range(faces):
+        begin, stop = face_offsets[f], face_offsets[f + 1]
+        for h in range(begin, stop):
+            v = face_vertices[h]
+            if weights[v, 2] != 0.0:
+                share = weights[v, 2] / (stop - begin)
+                for g in range(begin, stop):
+                    ends[v] = add_entry(columns, values, room[v], ends[v], face_vertices[g], share)
+    offsets = np.zeros(n + 1, np.int32)
+    for v in range(n):
+        begin, at = room[v], offsets[v]
+        offsets[v + 1] = at + ends[v] - begin
+        for k in range(ends[v] - begin):
+            columns[at + k], values[at + k] = columns[begin + k], values[begin + k]
+    return offsets, columns[: offsets[n]].copy(), values[: offsets[n]].copy()

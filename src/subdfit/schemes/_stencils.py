@@ -90,16 +90,10 @@ class Stencils:
     def matrix(self) -> sp.csr_array:
         """The same as a sparse matrix; its rows sum to one."""
         centroids = centroid_rows(self.topology)
-        blocks = [self._vertex_rows(centroids), self._edge_rows(centroids)]
+        blocks = [mask_rows(self.topology, self.weights), self._edge_rows(centroids)]
         if self.rules.face_points:
             blocks.append(centroids)
         return sp.csr_array(sp.vstack(blocks, format="csr"))
-
-    def _vertex_rows(self, centroids: sp.csr_array) -> sp.csr_array:
-        t, weights = self.topology, self.weights
-        start, end, sharpness = directed_edges(t)
-        along = weights[start, 1] + (sharpness > 0) * weights[start, 3] + (sharpness > 1) * weights[start, 4]
-        return mask_rows(t, weights[:, 0], start, end, along, weights[:, 2], centroids)
 
     def _edge_rows(self, centroids: sp.csr_array) -> sp.csr_array:
         t, rules = self.topology, self.rules
@@ -158,12 +152,6 @@ def later(sharpness: Floats) -> Floats:
     return np.maximum(sharpness - 1.0, 0.0)
 
 
-def directed_edges(t: Topology) -> tuple[NDArray[np.int32], NDArray[np.int32], Floats]:
-    """Every edge both ways: from, to, and its sharpness, (2 e,)."""
-    a, b = t.edge_vertices.T
-    return np.concatenate([a, b]), np.concatenate([b, a]), np.concatenate([t.sharpness, t.sharpness])
-
-
 def centroid_rows(t: Topology) -> sp.csr_array:
     """Centroids of the faces, (f, n) sparse."""
     size = np.diff(t.face_offsets)
@@ -171,24 +159,7 @@ def centroid_rows(t: Topology) -> sp.csr_array:
     return sp.csr_array((1 / np.repeat(size, size), t.face_vertices, t.face_offsets), shape=shape)
 
 
-def mask_rows(
-    t: Topology,
-    own: Floats,
-    start: NDArray[np.int32],
-    end: NDArray[np.int32],
-    along: Floats,
-    inner: Floats,
-    centroids: sp.csr_array,
-) -> sp.csr_array:
-    """Rows of vertex masks, (n, n): own weights, those along directed edges, and inner ones of centroids."""
-    used = along != 0
-    rows = np.concatenate([np.arange(t.vertex_count), start[used]])
-    columns = np.concatenate([np.arange(t.vertex_count), end[used]])
-    shape = (t.vertex_count, t.vertex_count)
-    matrix = sp.csr_array((np.concatenate([own, along[used]]), (rows, columns)), shape=shape)
-    corners = np.flatnonzero(inner[t.face_vertices] != 0)
-    if len(corners):
-        vertex = t.face_vertices[corners]
-        faces = sp.csr_array((inner[vertex], (vertex, t.face[corners])), shape=(t.vertex_count, t.face_count))
-        matrix = sp.csr_array(matrix + faces @ centroids)
-    return matrix
+def mask_rows(t: Topology, weights: Floats) -> sp.csr_array:
+    """Rows of vertex masks, (n, n), from the weights (n, 5) that `Stencils.weights` describes."""
+    offsets, columns, values = kernels.mask_rows(t.face_offsets, t.face_vertices, t.edge_vertices, t.sharpness, weights)
+    return sp.csr_array((values, columns, offsets), shape=(t.vertex_count, t.vertex_count))
