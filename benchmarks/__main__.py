@@ -3,13 +3,14 @@
 import sys
 
 import subdfit
-from benchmarks import creases, dragon, kernels, paper
+from benchmarks import creases, dragon, kernels, paper, parts
 from benchmarks.common import MODELS, machine
 
 SECTIONS = {
     "paper": ("The paper's models, both methods", paper.run),
     "creases": ("Machined parts with and without creases", creases.run),
     "kernels": ("Kernels", kernels.run),
+    "parts": ("Machined parts: curvature and faces", parts.run),
     "dragon": ("The dragon", dragon.run),
 }
 

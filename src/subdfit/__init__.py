@@ -13,6 +13,7 @@ if TYPE_CHECKING:
         FitResult,
         InterpolationResult,
         LimitSurface,
+        Segmentation,
         Tessellation,
         fit,
         history_picture,
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
         measure,
         picture,
         read,
+        segment,
         subdivide,
         write,
     )
@@ -45,6 +47,7 @@ _HOME = {
     "MeshData": "subdfit.mesh.data",
     "Progress": "subdfit.fit.driver",
     "Projection": "subdfit.closest.projection",
+    "Segmentation": "subdfit.api",
     "SubdfitError": "subdfit.errors",
     "Tessellation": "subdfit.api",
     "fit": "subdfit.api",
@@ -53,6 +56,7 @@ _HOME = {
     "measure": "subdfit.api",
     "picture": "subdfit.api",
     "read": "subdfit.api",
+    "segment": "subdfit.api",
     "subdivide": "subdfit.api",
     "write": "subdfit.api",
 }
@@ -70,6 +74,7 @@ __all__ = [
     "MeshData",
     "Progress",
     "Projection",
+    "Segmentation",
     "SubdfitError",
     "Tessellation",
     "__version__",
@@ -79,6 +84,7 @@ __all__ = [
     "measure",
     "picture",
     "read",
+    "segment",
     "subdivide",
     "write",
 ]

@@ -46,6 +46,15 @@ def test_points_alone_come_back(tmp_path, extension):
     assert_same_surface(read(tmp_path / f"a.{extension}"), cloud)
 
 
+def test_labels_of_faces_come_back(house, tmp_path):
+    labels = np.arange(house.face_count) % 3
+    write(tmp_path / "a.ply", replace(house, face_labels=labels))
+    back = read(tmp_path / "a.ply")
+    assert_same_surface(back, house)
+    np.testing.assert_array_equal(back.face_labels, labels)
+    assert "property int label" in (tmp_path / "a.ply").read_bytes().split(b"end_header")[0].decode()
+
+
 def test_nothing_unsaid_is_written(tetrahedron, tmp_path):
     write(tmp_path / "a.obj", tetrahedron)
     assert {line.split()[0] for line in (tmp_path / "a.obj").read_text().splitlines()} == {"v", "f"}

@@ -8,6 +8,7 @@ from subdfit.api.interpolation_result import InterpolationResult
 from subdfit.api.measuring import Comparison, compare, measure
 from subdfit.api.pictures import history_picture, picture
 from subdfit.api.result import FitResult
+from subdfit.api.segmenting import Segmentation, segment
 from subdfit.api.sources import mesh_data
 from subdfit.api.subdividing import subdivide
 from subdfit.api.surface import LimitSurface, Tessellation
@@ -17,6 +18,7 @@ __all__ = [
     "FitResult",
     "InterpolationResult",
     "LimitSurface",
+    "Segmentation",
     "Tessellation",
     "compare",
     "control_mesh_of",
@@ -27,6 +29,7 @@ __all__ = [
     "mesh_data",
     "picture",
     "read",
+    "segment",
     "subdivide",
     "write",
 ]

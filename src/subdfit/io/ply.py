@@ -1,8 +1,9 @@
 """PLY meshes and point clouds.
 
 Beyond the usual elements `vertex` and `face`, an `edge` element with `vertex1 vertex2 sharpness` holds creases,
-a vertex property `corner_sharpness` holds corners (0 is no corner), and the comments ``subdivision scheme: NAME`` and
-``interpolate boundary: N`` hold the rest. Sharpness 10 is sharp for ever. `tristrips` are read as triangles.
+a vertex property `corner_sharpness` holds corners (0 is no corner), a face property `label` holds regions, and the
+comments ``subdivision scheme: NAME`` and ``interpolate boundary: N`` hold the rest. Sharpness 10 is sharp for ever.
+`tristrips` are read as triangles.
 """
 
 from pathlib import Path
@@ -19,7 +20,7 @@ from subdfit.mesh.data import MeshData
 _LIST_NAMES = ("vertex_indices", "vertex_index")
 _WANTED = {
     "vertex": {"x", "y", "z", "nx", "ny", "nz", "corner_sharpness"},
-    "face": set(_LIST_NAMES),
+    "face": {*_LIST_NAMES, "label"},
     "tristrips": set(_LIST_NAMES),
     "edge": {"vertex1", "vertex2", "sharpness"},
 }
@@ -50,6 +51,7 @@ def parse(content: bytes, path: Path) -> MeshData:
         normals=_vectors(vertex, ("nx", "ny", "nz")),
         scheme=_comment(header.comments, _SCHEME),
         interpolate_boundary=_boundary(header.comments, name),
+        face_labels=_labels(tables, len(sizes), name),
     )
 
 
@@ -91,6 +93,12 @@ def _faces(tables: dict[str, Table], name: str) -> tuple[NDArray[np.int64], NDAr
             sizes.append(lists.sizes)
         corners.append(rows)
     return np.concatenate(sizes), np.concatenate(corners)
+
+
+def _labels(tables: dict[str, Table], faces: int, name: str) -> NDArray[np.int64] | None:
+    """Regions of the faces; triangle strips have none."""
+    labels = _scalar(tables.get("face", {}), "label")
+    return None if labels is None or len(labels) != faces else _indices(labels, name, "face")
 
 
 def _strip_triangles(sizes: NDArray[np.int64], values: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -147,6 +155,7 @@ def render(data: MeshData, path: Path) -> bytes:
     if data.face_count:
         count_type = "uchar" if np.diff(data.face_offsets).max() < 256 else "int"
         lines += [f"element face {data.face_count}", f"property list {count_type} int vertex_indices"]
+        lines += ["property int label"] * (data.face_labels is not None)
         blocks.append(_face_rows(data, "u1" if count_type == "uchar" else "<i4"))
     if len(data.crease_edges):
         lines += [f"element edge {len(data.crease_edges)}", "property int vertex1", "property int vertex2"]
@@ -158,16 +167,21 @@ def render(data: MeshData, path: Path) -> bytes:
 
 
 def _face_rows(data: MeshData, count_kind: str) -> bytes:
-    """Rows of count and corners, one size of face at a time."""
+    """Rows of count, corners and label if there are any, one size of face at a time."""
     sizes = np.diff(data.face_offsets)
-    head = np.dtype(count_kind).itemsize
-    row_bytes = head + 4 * sizes
+    labels = np.empty((len(sizes), 0), "<i4") if data.face_labels is None else data.face_labels[:, None].astype("<i4")
+    head, tail = np.dtype(count_kind).itemsize, labels.shape[1]
+    row_bytes = head + 4 * (sizes + tail)
     starts = np.cumsum(row_bytes) - row_bytes
     buffer = np.empty(int(row_bytes.sum()), np.uint8)
     for size in np.unique(sizes):
         faces = np.flatnonzero(sizes == size)
-        rows = np.empty(len(faces), [("count", count_kind), ("corners", "<i4", (int(size),))])
+        rows = np.empty(
+            len(faces), [("count", count_kind), ("corners", "<i4", (int(size),)), ("label", "<i4", (tail,))]
+        )
         rows["count"] = size
         rows["corners"] = data.face_vertices[data.face_offsets[faces, None] + np.arange(size)]
-        buffer[starts[faces, None] + np.arange(head + 4 * size)] = rows.view(np.uint8).reshape(len(faces), -1)
+        rows["label"] = labels[faces]
+        width = np.arange(head + 4 * (size + tail))
+        buffer[starts[faces, None] + width] = rows.view(np.uint8).reshape(len(faces), -1)
     return buffer.tobytes()

@@ -34,6 +34,7 @@ class MeshData:
     corner_vertices : (c,) int64; `corner_sharpness` (c,) float64.
     normals : (n, 3) float64 or None.
     scheme : name of the subdivision scheme the file states, or None.
+    face_labels : (m,) int64, the region to which each face belongs, or None; PLY files alone keep them.
     interpolate_boundary : 2 boundary edges are sharp, 1 and boundary corners with one face too, 0 none; None unsaid.
     """
 
@@ -47,6 +48,7 @@ class MeshData:
     normals: NDArray[np.float64] | None = None
     scheme: str | None = None
     interpolate_boundary: int | None = None
+    face_labels: NDArray[np.int64] | None = None
 
     @property
     def face_count(self) -> int:

@@ -79,7 +79,7 @@ def ball_measures(
     points, triangles : the mesh; side k of a triangle joins its corners k and k + 1.
     neighbours : (m, 3) int32, the triangle beyond each side, -1 where the piece may not go on.
     normals : (m, 3) float64, unit normals, zero for triangles without area.
-    bend : (m, 3) float64, half the signed angle across each side.
+    bend : (m, 3) float64, what the triangle counts of the signed angle across each side, half of it as a rule.
     centres, seeds, radii : (c, 3), (c,), (c,); a seed is a triangle that holds the centre.
     measures : (c, 10) float64, written: area, normal, and xx xy xz yy yz zz of the sum over edges of
         ``angle * length * direction direction^T``.
@@ -108,9 +108,7 @@ def ball_measures(
                 if high <= low:
                     continue
                 g = neighbours[f, k]
-                if g < 0:
-                    continue
-                if stamp[g] != c:
+                if g >= 0 and stamp[g] != c:
                     stamp[g] = c
                     stack[top] = g
                     top += 1

@@ -132,6 +132,7 @@ def ball_curvature(
     seeds: NDArray[np.int32],
     radii: Floats,
     walls: NDArray[np.bool_] | None = None,
+    borders: NDArray[np.bool_] | None = None,
 ) -> tuple[Floats, Floats]:
     """Shape operators and normals of the pieces of surface within balls.
 
@@ -145,6 +146,7 @@ def ball_curvature(
     seeds : (c,) int32, a triangle that holds each centre.
     radii : (c,) float64.
     walls : (e,) bool, edges that a piece does not cross and whose bend does not count.
+    borders : (e,) bool, edges that it does not cross, but half of whose bend counts for each side.
 
     Returns
     -------
@@ -155,8 +157,10 @@ def ball_curvature(
     if not np.all(radii > 0.0):
         raise InputError("the radius of curvature estimation must be positive; give a length in the mesh's unit")
     measures = np.empty((len(centres), 10))
-    bend = 0.5 * np.radians(signed_angles(points, triangles, edges))
-    passable = (edges.valence == 2) if walls is None else (edges.valence == 2) & ~walls
+    none = np.zeros(len(edges.angle), np.bool_)
+    walls, borders = none if walls is None else walls, none if borders is None else borders
+    bend = np.where(walls, 0.0, 0.5 * np.radians(signed_angles(points, triangles, edges)))
+    passable = (edges.valence == 2) & ~walls & ~borders
     beyond = np.where(passable[edges.of_face], _beyond(edges), -1)
     arguments = (
         np.require(points, np.float64, ["C", "W"]),

@@ -1,0 +1,93 @@
+"""Machined parts: curvature on bad triangles, and faces found by segmentation."""
+
+import time
+
+import numpy as np
+
+import subdfit
+from benchmarks.common import MODELS, table
+from subdfit.target.curvature import curvature_field
+
+PARTS = ("fandisk", "fandisk_large", "block", "casting", "mechpart", "club")
+
+
+def run() -> str:
+    """Measure and return the tables."""
+    return "\n\n".join([curvature(), segmentation()])
+
+
+def curvature() -> str:
+    """Errors of direction and value on a cylinder and a torus of random vertices, joined as if stretched."""
+    rows = []
+    for shape, period in (("cylinder", 3.0), ("torus", 2 * np.pi * 0.4)):
+        for stretch in (0.3, 1.0, 3.0):
+            for count in (3000, 12000):
+                rows.append([shape, f"{stretch}", f"{count:,}", *_errors(shape, period, stretch, count)])
+    head = [
+        "surface",
+        "stretch",
+        "vertices",
+        "aspect, p95",
+        "direction, median",
+        "p95",
+        "largest curvature, median",
+        "s",
+    ]
+    return table(head, rows)
+
+
+def _errors(shape: str, period: float, stretch: float, count: int) -> list[str]:
+    q, triangles = _scattered(count, period, stretch, both=shape == "torus")
+    a, b = q[:, 0], q[:, 1] / 0.4
+    ring = 1 + 0.4 * np.cos(b) if shape == "torus" else np.ones(len(q))
+    height = 0.4 * np.sin(b) if shape == "torus" else q[:, 1]
+    points = np.stack([ring * np.cos(a), ring * np.sin(a), height], 1)
+    along = np.stack([-np.sin(a), np.cos(a), 0 * a], 1) if shape == "torus" else np.array([[0.0, 0.0, 1.0]])
+    clock = time.process_time()
+    found = curvature_field(points, triangles).at_vertices()
+    clock = time.process_time() - clock
+    off = np.degrees(np.arccos(np.clip(np.abs(np.sum(found.minimum_direction * along, axis=1)), 0, 1)))
+    exact = 2.5 if shape == "torus" else 1.0
+    wrong = np.median(np.abs(found.maximum / exact - 1))
+    values = [f"{np.median(off):.2f}°", f"{np.percentile(off, 95):.2f}°", f"{100 * wrong:.1f} %", f"{clock:.2f}"]
+    return [f"{_aspect(points[triangles]):.0f}", *values]
+
+
+def _aspect(corners: np.ndarray) -> float:
+    """95th percentile of the longest side over the height on it."""
+    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    return float(np.percentile(sides**2 / area, 95))
+
+
+def _scattered(count: int, height: float, stretch: float, *, both: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Random points of a strip that closes round, and triangles Delaunay once stretched along it."""
+    from scipy.spatial import Delaunay
+
+    width = 2 * np.pi
+    q = np.random.default_rng(0).uniform(size=(count, 2)) * [width, height]
+    if not both:
+        rim = np.linspace(0, width, int(np.sqrt(count * width / height)), endpoint=False)
+        q = np.concatenate([q, *(np.stack([rim, np.full(len(rim), end)], 1) for end in (0.0, height))])
+    shifts = [(i * width, j * height) for i in (0, -1, 1) for j in ((0, -1, 1) if both else (0,))]
+    tiled = np.concatenate([q + shift for shift in shifts])
+    triangles = Delaunay(tiled * [stretch, 1.0]).simplices
+    centre = tiled[triangles].mean(axis=1)
+    own = (centre[:, 0] >= 0) & (centre[:, 0] < width)
+    if both:
+        own &= (centre[:, 1] >= 0) & (centre[:, 1] < height)
+    a, b, c = np.moveaxis(tiled[triangles], 1, 0)
+    area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+    return q, triangles[own & (area > 1e-12)] % len(q)
+
+
+def segmentation() -> str:
+    """Faces and feature edges of parts."""
+    rows = []
+    for name in PARTS:
+        clock = time.process_time()
+        found = subdfit.segment(MODELS / f"{name}.ply")
+        clock = time.process_time() - clock
+        counts = [f"{len(found.triangles):,}", str(found.count), f"{len(found.feature_edges):,}"]
+        rows.append([name, *counts, f"{clock:.1f}"])
+    return table(["part", "triangles", "faces", "feature edges", "CPU s"], rows)

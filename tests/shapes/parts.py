@@ -1,0 +1,23 @@
+"""Small machined parts, well meshed."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def can(
+    sections: int = 40, rows: int = 20, radius: float = 1.0, height: float = 3.0
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """A closed cylinder round z, centred: a wall of a grid of triangles, and lids of rings."""
+    rings = max(2, round(sections / (2 * np.pi)))
+    z = np.concatenate([np.full(rings, -0.5), np.linspace(-0.5, 0.5, rows + 1)[1:-1], np.full(rings, 0.5)]) * height
+    r = np.concatenate([np.arange(1, rings + 1) / rings, np.ones(rows - 1), np.arange(rings, 0, -1) / rings]) * radius
+    angle = 2 * np.pi * np.arange(sections) / sections
+    wall = np.stack([np.outer(r, np.cos(angle)), np.outer(r, np.sin(angle)), np.outer(z, np.ones(sections))], -1)
+    i = np.arange(wall.shape[0] * sections).reshape(wall.shape[:2])
+    a, b, c, d = i[:-1], np.roll(i[:-1], -1, 1), np.roll(i[1:], -1, 1), i[1:]
+    quads = np.stack([a, b, c, d], -1).reshape(-1, 4)
+    low, high = i.size, i.size + 1
+    fans = [np.stack([np.roll(i[0], -1), i[0], np.full(sections, low)], 1)]
+    fans.append(np.stack([i[-1], np.roll(i[-1], -1), np.full(sections, high)], 1))
+    points = np.concatenate([wall.reshape(-1, 3), [[0, 0, -height / 2], [0, 0, height / 2]]])
+    return points, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]], *fans])

@@ -1,0 +1,249 @@
+"""Segmentation: parts whose faces are known, and the steps one by one."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from shapes import parts
+from subdfit.errors import InputError
+from subdfit.target.features import mesh_edges
+from subdfit.target.segmentation import SegmentationSettings, segment_mesh
+from subdfit.target.segmentation_clusters import cluster, grow
+from subdfit.target.segmentation_facets import Facets
+from subdfit.target.segmentation_merging import Adjacency, absorb, merge_regions, renumbered
+from subdfit.target.segmentation_rectification import border_costs, rectify
+from subdfit.target.segmentation_slivers import without_needles
+from subdfit.target.target import mesh_target, point_target
+
+
+def extruded(profile, kind, height=2.0, step=0.1, seed=None):
+    """A wall over a profile (k, 2), open at both ends, and the kind of each triangle's piece of profile."""
+    rows = int(height / step) + 1
+    z = np.linspace(0, height, rows)
+    if seed is not None:
+        z = z + np.concatenate([[0], np.random.default_rng(seed).uniform(-0.3, 0.3, rows - 2) * step, [0]])
+    points = np.stack([np.repeat(profile[:, 0], rows), np.repeat(profile[:, 1], rows), np.tile(z, len(profile))], 1)
+    i = np.arange(len(points)).reshape(len(profile), rows)
+    a, b, c, d = i[:-1, :-1].ravel(), i[1:, :-1].ravel(), i[1:, 1:].ravel(), i[:-1, 1:].ravel()
+    turned = (np.arange(len(a)) * 7 % 3 == 0)[:, None]
+    one = np.where(turned, np.stack([a, b, d], 1), np.stack([a, b, c], 1))
+    two = np.where(turned, np.stack([b, c, d], 1), np.stack([a, c, d], 1))
+    return points, np.concatenate([one, two]), np.tile(np.repeat(kind, rows - 1), 2)
+
+
+def filleted_bend(radius=0.5, step=0.1):
+    """Plane, quarter of a cylinder, plane, all tangent to one another; 0, 1, 2."""
+    flat = np.arange(0, 2, step)
+    angle = np.linspace(0, np.pi / 2, int(radius * np.pi / 2 / step) + 1)
+    arc = np.stack([2 + radius * np.sin(angle), radius * np.cos(angle) - radius], 1)
+    lines = [np.stack([flat, 0 * flat], 1), arc, np.stack([0 * flat + 2 + radius, -radius - flat - step], 1)]
+    kind = np.repeat([0, 1, 2], [len(flat), len(arc) - 1, len(flat)])
+    return extruded(np.concatenate(lines), kind)
+
+
+def agreement(found, known):
+    """Share of triangles in the largest overlap of their known kind with a region of its own."""
+    table = np.zeros((found.max() + 1, known.max() + 1))
+    np.add.at(table, (found, known), 1)
+    return table.max(axis=0).sum() / len(found)
+
+
+def facets_of(points, triangles, radius=0.2):
+    edges = mesh_edges(points, triangles)
+    return Facets(np.asarray(points, float), np.asarray(triangles, np.int32), edges, edges.angle > 40, radius)
+
+
+@pytest.mark.parametrize("subdivisions", [2, 4])
+def test_a_box_has_six_faces(subdivisions):
+    mesh = trimesh.creation.box(extents=(1.0, 2.0, 3.0))
+    for _ in range(subdivisions):
+        mesh = mesh.subdivide()
+    found = segment_mesh(mesh_target(mesh.vertices, mesh.faces))
+    assert found.count == 6
+    side = np.argmax(np.abs(mesh.face_normals), axis=1) * 2 + (mesh.face_normals.sum(axis=1) > 0)
+    assert agreement(found.labels, side) == 1.0
+    assert len(found.feature_edges) == 12 * 2**subdivisions
+
+
+def test_a_cylinder_has_three_faces_and_two_rims():
+    points, triangles = parts.can()
+    found = segment_mesh(mesh_target(points, triangles))
+    assert found.count == 3
+    rim = np.abs(points[found.feature_edges][:, :, 2])
+    np.testing.assert_allclose(rim, 1.5)
+
+
+def test_a_fillet_is_a_face_of_its_own():
+    """Nothing is sharp here: the borders are where the curvature jumps, to within a row of triangles."""
+    points, triangles, known = filleted_bend()
+    found = segment_mesh(mesh_target(points, triangles))
+    assert found.count == 3
+    assert len(found.feature_edges) == 0
+    assert agreement(found.labels, known) > 0.97
+
+
+def test_a_gradual_bend_is_one_face():
+    """An Euler spiral: curvature grows linearly along the profile, from none to one over a fifth of its length."""
+    s = np.linspace(0, 4, 81)
+    heading = 0.3 * s**2
+    profile = np.cumsum(np.stack([np.cos(heading), np.sin(heading)], 1) * 0.05, axis=0)
+    points, triangles, _ = extruded(profile, np.zeros(80, int), step=0.05)
+    assert segment_mesh(mesh_target(points, triangles)).count == 1
+
+
+def test_a_sphere_is_one_face():
+    ball = trimesh.creation.icosphere(4)
+    assert segment_mesh(mesh_target(ball.vertices, ball.faces)).count == 1
+
+
+def test_needles_do_not_hide_faces():
+    """Needles along the edges of a box, with normals that mean nothing, change neither regions nor features much."""
+    mesh = trimesh.creation.box().subdivide().subdivide().subdivide()
+    points, triangles = np.asarray(mesh.vertices), np.asarray(mesh.faces)
+    edges = mesh_edges(points, triangles)
+    rng = np.random.default_rng(0)
+    for edge in rng.choice(np.flatnonzero(edges.angle > 45), 20, replace=False):
+        (a, b), (f, g) = edges.vertices[edge], edges.faces[edge]
+        if (len(triangles[[f, g]]), np.isin(triangles[[f, g]], [a, b]).sum()) != (2, 4):
+            continue
+        middle = points[[a, b]].mean(axis=0) + rng.normal(size=3) * 2e-4
+        points = np.vstack([points, middle])
+        corners = triangles[f].tolist()
+        k = corners.index(({*corners} - {a, b}).pop())
+        c, d, e = corners[k], corners[k - 2], corners[k - 1]
+        triangles[f] = c, d, len(points) - 1
+        triangles = np.vstack([triangles, [[c, len(points) - 1, e], [len(points) - 1, d, e]]])
+    assert len(triangles) > 12 * 4**3 + 30
+    found = segment_mesh(mesh_target(points, triangles))
+    assert found.count == 6
+    assert len(found.labels) == len(triangles)
+    assert np.all(np.sum(np.abs(np.abs(points[found.feature_edges]) - 0.5) < 1e-2, axis=2) >= 2)
+
+
+@pytest.mark.parametrize(("name", "least", "most"), [("fandisk", 18, 26), ("block", 12, 16), ("casting", 45, 65)])
+def test_machined_parts(meshes, name, least, most):
+    """Hand counts of the visible faces: fandisk about 20, block 12 and the crossing bores, casting about 55."""
+    mesh = trimesh.load(meshes / f"{name}.ply", process=False)
+    target = mesh_target(mesh.vertices, mesh.faces)
+    found = segment_mesh(target)
+    assert least <= found.count <= most
+    whole = Facets(target.points, target.triangles, mesh_edges(target.points, target.triangles), np.zeros(0, bool), 1.0)
+    pieces = whole.connected(~whole.borders(found.labels))
+    assert pieces.max() + 1 == found.count
+
+
+def test_block_planes_are_found_exactly(meshes):
+    """The planes of the block are exact: each big planar region has one normal, and the planes no other region."""
+    mesh = trimesh.load(meshes / "block.ply", process=False)
+    labels = segment_mesh(mesh_target(mesh.vertices, mesh.faces)).labels
+    area = mesh.area_faces
+    plain = np.abs(mesh.face_normals).max(axis=1) > 1 - 1e-6
+    planes = {}
+    for f in np.flatnonzero(plain & (area > 1e-3)):
+        normal = np.round(mesh.face_normals[f]).astype(int)
+        planes.setdefault((*normal, round(float(normal @ mesh.triangles_center[f]), 3)), []).append(f)
+    big = [faces for faces in planes.values() if area[faces].sum() > 0.04 * area.sum()]
+    assert len(big) == 8
+    for faces in big:
+        assert len(np.unique(labels[faces])) == 1
+    assert len({labels[faces[0]] for faces in big}) == 8
+
+
+def test_points_are_refused():
+    with pytest.raises(InputError, match="mesh"):
+        segment_mesh(point_target(np.eye(3)))
+    with pytest.raises(InputError, match="radius"):
+        SegmentationSettings(radius=-1.0)
+    with pytest.raises(InputError, match="classes"):
+        SegmentationSettings(classes=0)
+
+
+def test_clusters_of_separate_values_are_the_values():
+    rng = np.random.default_rng(3)
+    truth = rng.integers(4, size=500)
+    values = np.array([[0, 0], [5, 0], [0, 5], [9, 9]])[truth] + 0.1 * rng.normal(size=(500, 2))
+    found = cluster(values, rng.uniform(0.5, 2, 500), 4)
+    assert agreement(found, truth) == 1.0
+    assert len(np.unique(cluster(np.ones((7, 2)), np.ones(7), 4))) == 1
+
+
+def test_regions_are_connected_and_do_not_cross_sharp_edges():
+    mesh = trimesh.creation.box().subdivide().subdivide()
+    facets = facets_of(mesh.vertices, mesh.faces)
+    assert grow(facets, np.zeros(len(mesh.faces), np.int64)).max() + 1 == 6
+    two = (mesh.triangles_center[:, 2] > 0.1).astype(np.int64)
+    assert grow(facets, two).max() + 1 == 10
+
+
+def test_merging_keeps_count_of_areas_perimeters_and_borders():
+    points, triangles, known = filleted_bend()
+    facets = facets_of(points, triangles)
+    curvatures, _ = facets.curvature()
+    graph = Adjacency(facets, renumbered(known), curvatures)
+    graph.merge(0, 1)
+    fresh = Adjacency(facets, renumbered(np.where(known == 1, 0, known)), curvatures)
+    np.testing.assert_allclose([graph.area[0], graph.perimeter[0]], [fresh.area[0], fresh.perimeter[0]])
+    assert graph.turn_of_means(0, 2) == pytest.approx(fresh.turn_of_means(0, 1))
+    assert graph.borders[0][2].length == pytest.approx(fresh.borders[0][1].length)
+
+
+def test_turn_of_a_fillet_is_its_angle():
+    """A quarter of a cylinder turns by 90 degrees against a plane: curvature 1/r over a width of r pi/2."""
+    points, triangles, known = filleted_bend()
+    facets = facets_of(points, triangles)
+    exact = np.where(known == 1, 2.0, 0.0)[:, None] * [0, 1]
+    graph = Adjacency(facets, known, exact)
+    width = 0.25 * np.pi * 2.0 / (0.25 * np.pi + 2.0)  # area over half the perimeter
+    assert graph.turn_of_means(0, 1) == pytest.approx(np.degrees(2.0 * width), rel=0.02)
+    assert merge_regions(facets, known, exact, Adjacency.turn_of_means, 100.0).max() == 0
+    assert merge_regions(facets, known, exact, Adjacency.turn_of_means, 60.0).max() == 2
+
+
+def test_remnants_go_to_the_neighbour_they_share_most_with():
+    points, triangles, known = filleted_bend()
+    facets = facets_of(points, triangles)
+    labels = known.copy()
+    inside = np.flatnonzero(known == 0)
+    labels[inside[np.argmin(np.linalg.norm(facets.centres[inside] - [1, 0, 1], axis=1))]] = 3
+    curvatures, _ = facets.curvature()
+    np.testing.assert_array_equal(absorb(facets, labels, curvatures, 0.1, 0.0), known)
+
+
+def test_rectified_borders_follow_the_jump_and_straighten():
+    points, triangles, known = filleted_bend()
+    facets = facets_of(points, triangles, 0.15)
+    curvatures, directions = facets.curvature()
+    rng = np.random.default_rng(5)
+    frayed = known.copy()
+    wave = rng.uniform(-0.15, 0.15, len(known))
+    frayed[facets.centres[:, 0] < 2 + wave] = 0
+    frayed[(facets.centres[:, 0] >= 2 + wave) & (known == 0)] = 1
+    costs = border_costs(facets, directions)
+    straight = rectify(facets, frayed, curvatures, costs)
+    assert agreement(straight, known) > agreement(frayed, known)
+    assert facets.lengths[facets.borders(straight)].sum() < facets.lengths[facets.borders(frayed)].sum()
+    assert agreement(straight, known) > 0.97
+
+
+def test_borders_are_cheapest_along_lines_of_curvature():
+    points, triangles = parts.can(sections=48, rows=24)
+    facets = facets_of(points, triangles, 0.4)
+    _, directions = facets.curvature()
+    share = border_costs(facets, directions) / facets.lengths * (1 + facets.edges.angle / 20)
+    along = facets.points[facets.edges.vertices]
+    along = np.abs((along[:, 1] - along[:, 0])[:, 2]) / facets.lengths
+    wall = (np.abs(facets.points[facets.edges.vertices][:, :, 2]) < 1.2).all(axis=1)
+    assert share[wall & (along > 0.999)].max() < 0.35
+    assert share[wall & (np.abs(along - np.sqrt(0.5)) < 0.1)].min() > 0.7
+    assert np.all(border_costs(facets, directions)[facets.sharp] == 0)
+
+
+def test_needles_are_flipped_away_and_nothing_else_changes():
+    mesh = trimesh.creation.icosphere(3)
+    np.testing.assert_array_equal(without_needles(mesh.vertices, mesh.faces), mesh.faces)
+    points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 1e-4, 0]], float)
+    needle = np.array([[0, 1, 4], [4, 1, 2], [4, 2, 3], [4, 3, 0]])
+    lower = np.array([[0.5, -1, 0]])
+    faces = np.vstack([needle, [[1, 0, 5]]])
+    found = without_needles(np.vstack([points, lower]), faces)
+    assert {tuple(sorted(f)) for f in found.tolist()} == {(1, 2, 4), (2, 3, 4), (0, 3, 4), (0, 4, 5), (1, 4, 5)}
