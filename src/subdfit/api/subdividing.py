@@ -41,7 +41,7 @@ def subdivide(
     topology, points = control.topology, control.points
     for _ in range(levels):
         step = rules.refine(topology)
-        topology, points = step.child, step.matrix @ points
+        topology, points = step.child, step.refined(points)
     if limit:
         return ControlMesh(topology, rules.limit_rows(topology) @ points)
     return ControlMesh(topology, points, rules.name)

@@ -81,7 +81,7 @@ def _place_subdivided(editor: MeshEditor, split: Split, state: FitState) -> None
     """
     topology = state.surface.topology
     refinement = state.surface.scheme.refine(topology)
-    positions = refinement.matrix @ state.surface.control_mesh.points
+    positions = refinement.refined(state.surface.control_mesh.points)
     editor.place(split.vertices, positions[refinement.edge_row[topology.edge[split.half_edges]]])
     editor.place(split.affected, positions[refinement.vertex_row[split.affected]])
 

@@ -62,10 +62,11 @@ class Stencils:
         """
         t = self.topology
         smooth = self.rules.vertex(t)
-        present, following = _Kinds.of(t, 0.0), _Kinds.of(t, 1.0)
+        out = _kind_weights(smooth, _Kinds.of(t, 0.0), 3)
         share = _expiring(t)
-        out = share[:, None] * _kind_weights(smooth, present, 3)
-        out += (1 - share)[:, None] * _kind_weights(smooth, following, 4)
+        if np.any(share < 1):
+            out *= share[:, None]
+            out += (1 - share)[:, None] * _kind_weights(smooth, _Kinds.of(t, 1.0), 4)
         return out
 
     def apply(self, points: Floats) -> Floats:
