@@ -53,7 +53,8 @@ def _compile(function: Callable[..., Any], *, forceinline: bool) -> Any:
             error_model="numpy",
             fastmath={"contract"},
             forceinline=forceinline,
-            **({"_nrt": False} if forceinline else {}),
+            no_cfunc_wrapper=True,
+            **({"_nrt": False, "no_cpython_wrapper": True} if forceinline else {}),
         )(function)
     finally:
         numba.core.config.CACHE_DIR = before
