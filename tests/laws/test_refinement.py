@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from shapes.parameters import CASES, CORNERS, anywhere, child_of, inside, parents, size, surface_of
+from shapes.parameters import CASES, CORNERS, DUAL, anywhere, child_of, inside, parents, size, surface_of
 from shapes.zoo import scattered
-from shapes.zoom import zoom
+from shapes.zoom import can_be_cut_out, zoom
 from subdfit.limit import LimitSurface
 from subdfit.mesh.control_mesh import ControlMesh
 
@@ -25,20 +25,24 @@ def test_child_topology_keeps_genus_boundary_creases_and_corners(surface):
     child = step.child
     euler = [t.vertex_count - t.edge_count + t.face_count for t in (parent, child)]
     assert euler[0] == euler[1]
-    assert child.boundary_edges.sum() == 2 * parent.boundary_edges.sum()
-    lasting = parent.sharpness[parent.crease_edges]
-    np.testing.assert_array_equal(
-        np.sort(child.sharpness[child.crease_edges]), np.sort(np.repeat(lasting[lasting > 1] - 1, 2))
-    )
     pinned = parent.corner_sharpness > 1
     assert (child.corner_sharpness > 0).sum() == pinned.sum()
     moved = (step.matrix @ surface.control_mesh.points)[child.corner_sharpness > 0]
     np.testing.assert_array_equal(moved, surface.control_mesh.points[pinned])
     assert step.matrix.shape == (child.vertex_count, parent.vertex_count)
+    if surface.scheme.name in DUAL:
+        return
+    assert child.boundary_edges.sum() == 2 * parent.boundary_edges.sum()
+    lasting = parent.sharpness[parent.crease_edges]
+    np.testing.assert_array_equal(
+        np.sort(child.sharpness[child.crease_edges]), np.sort(np.repeat(lasting[lasting > 1] - 1, 2))
+    )
 
 
-def test_limit_rows_are_a_left_fixed_point_of_refinement(surface):
+@pytest.mark.parametrize(("scheme", "name"), [case for case in CASES if case[0] not in DUAL])
+def test_limit_rows_are_a_left_fixed_point_of_refinement(scheme, name):
     """The limit point of a vertex is the same whether taken now or one level later."""
+    surface = surface_of(scheme, name)
     points = surface.control_mesh.points
     fine = refined(surface)
     later = surface.scheme.limit_rows(fine.topology) @ fine.points
@@ -71,11 +75,11 @@ def at(place, shape, uv):
     return place[:, None, 0] + np.einsum("kcd,kdx->kcx", uv, axes)
 
 
-@pytest.mark.parametrize(("scheme", "name"), CASES)
+@pytest.mark.parametrize(("scheme", "name"), [case for case in CASES if can_be_cut_out(*case)])
 def test_a_second_evaluator_without_patches_agrees(scheme, name):
     surface = surface_of(scheme, name)
     face, uv = anywhere(surface.domain, per_cell=1, seed=2, nearest=3.0)
-    chosen = np.random.default_rng(3).permutation(len(face))[:5]
+    chosen = np.random.default_rng(3).permutation(len(face))[: 2 if scheme in DUAL else 5]
     expected = [zoom(scheme, surface.control_mesh, face[k], uv[k]) for k in chosen]
     value = surface.evaluate(face[chosen], uv[chosen]).position
     assert np.abs(value - expected).max() < 1e-12 * size(surface.control_mesh)

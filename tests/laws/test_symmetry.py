@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from shapes.parameters import anywhere, inside, size, surface_of
+from shapes.parameters import DUAL, anywhere, face_corners, inside, size, surface_of
 from shapes.zoo import ZOO
 from subdfit import parallel
 from subdfit.limit import LimitSurface
@@ -40,27 +40,31 @@ def seen_from(corners, uv, shape):
     return corners[:, 0] + u * (corners[:, 1] - corners[:, 0]) + v * (last - corners[:, 0])
 
 
-def before(surface, order, turn, reverse, cell):
-    """Where cells of a `renumbered` mesh were in the first: (cell, corners there (k, 4, 2) of the cells' corners)."""
+def before(surface, other, order, turn, reverse, cell):
+    """Where cells of `other`, a `renumbered` mesh, lay before: (cell, corners (k, 4, 2) there of the cells')."""
     t, domain = surface.topology, surface.domain
     size = np.diff(t.face_offsets)
-    if domain.face_count == t.face_count:
+    if domain.face_count == t.face_count and surface.scheme.name not in DUAL:
         old, n = order[cell], size[order[cell]][:, None]
         corner = ((n - 1 - np.arange(4) if reverse else np.arange(4)) + turn[cell][:, None]) % n
         return old, DOMAIN_CORNERS[n, corner]
-    # One cell a face corner, which it keeps.
+    # One cell a face corner, which it keeps; a dual scheme has none for some.
     begin = np.cumsum([0, *size[order]])
+    corners = face_corners(t) if surface.scheme.name in DUAL else np.arange(domain.face_count)
+    if surface.scheme.name in DUAL:
+        cell = face_corners(other)[cell]
     face = np.searchsorted(begin, cell, side="right") - 1
     n, place = size[order[face]], cell - begin[face]
     corner = ((n - 1 - place if reverse else place) + turn[face]) % n
     turned = [0, 3, 2, 1] if reverse else [0, 1, 2, 3]
-    return t.face_offsets[order[face]] + corner, np.broadcast_to(DOMAIN_CORNERS[4][turned], (len(cell), 4, 2))
+    old = np.searchsorted(corners, t.face_offsets[order[face]] + corner)
+    return old, np.broadcast_to(DOMAIN_CORNERS[4][turned], (len(cell), 4, 2))
 
 
 def check_renumbered(surface, vertex, order, turn, reverse):
     other = LimitSurface(renumbered(surface.control_mesh, vertex, order, turn, reverse), surface.scheme)
     cell, uv = anywhere(other.domain, nearest=6.0)
-    old, corners = before(surface, order, turn, reverse, cell)
+    old, corners = before(surface, other.topology, order, turn, reverse, cell)
     there = np.clip(seen_from(corners, uv, other.domain.shape[cell]), 0, 1)
     gap = other.evaluate(cell, uv).position - surface.evaluate(old, there).position
     assert np.abs(gap).max() < 1e-13 * 10 * size(surface.control_mesh)

@@ -4,17 +4,28 @@ from functools import cache
 
 import numpy as np
 
+from shapes.curved import CURVED
 from shapes.polygons import POLYGONS
 from shapes.zoo import ZOO, mesh_of
 from subdfit.errors import InputError
 from subdfit.limit import LimitSurface
 from subdfit.schemes import SCHEMES
+from subdfit.schemes._doo_sabin_curves import Curves
 from subdfit.schemes.domain import TRIANGLE
 
 CORNERS = {3: np.array([[0, 0], [1, 0], [0, 1.0]]), 4: np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]])}
 
 TASTE = ("tetrahedron", "fan 5", "half fan 1", "half fan 4", "dart 5", "parted 6 2", "semi across")
 """Triangle meshes that schemes for polygons see too."""
+
+DUAL = ("doo-sabin", "doo-sabin-averaging")
+"""Schemes whose vertices are face corners: a cell lies between a vertex, two edges and a face."""
+
+DUAL_TASTE = ("two triangles", "half fan 2", "half fan 8", "crease ring", "crease across", "pinned boundary", "disc")
+"""Triangle meshes with curves, beside which these schemes have rules of their own."""
+
+AVERAGING_TASTE = ("tetrahedron", "prism 8", "house", "hanging", "open dodecahedron", "crease across", "starred fan")
+"""Shapes with faces that are no quads, on which alone the masks differ."""
 
 
 @cache
@@ -35,6 +46,10 @@ def takes(scheme, mesh):
 def names_for(scheme):
     """The shapes that the laws show a scheme."""
     names = ZOO if scheme == "loop" else (*TASTE, *POLYGONS)
+    if scheme == "doo-sabin":
+        names = (*names, *DUAL_TASTE, *CURVED)
+    elif scheme in DUAL:
+        names = AVERAGING_TASTE
     return [name for name in names if takes(scheme, mesh_of(name))]
 
 
@@ -109,11 +124,36 @@ QUARTERS = {
 def parents(scheme, topology):
     """Where the cells of the refined mesh lie in those of the mesh: (cell (c,), corners (c, 4, 2), nan if none)."""
     domain = SCHEMES[scheme].domain(topology)
+    if scheme in DUAL:
+        return dual_parents(SCHEMES[scheme].refine(topology).child)
     if domain.face_count != topology.face_count:
         # The mesh's cells are the faces of the refined mesh already.
         return np.arange(domain.face_count), np.array([_padded(CORNERS[int(n)]) for n in domain.shape])
     cell = np.repeat(np.arange(domain.face_count), 4)
     return cell, np.concatenate([[_padded(quarter) for quarter in QUARTERS[int(n)]] for n in domain.shape])
+
+
+def dual_parents(child):
+    """The same for dual schemes: the cell of a face corner lies in the cell that its vertex is, at that face's corner.
+
+    Round a cell's vertex the face that stands for a vertex comes first, which is the last in the numbering of faces. In
+    its own cell a face corner's vertex, in the middle of the larger one, comes first.
+    """
+    before = np.empty_like(child.following)
+    before[child.following] = np.arange(len(before))
+    inner = face_corners(child)
+    slot, first = np.zeros(len(before), int), np.zeros(child.vertex_count, int)
+    np.maximum.at(first, child.face_vertices[inner], inner)
+    corner = first[np.unique(child.face_vertices[inner])]
+    for i in range(4):
+        slot[corner] = i
+        corner = child.twin[before[corner]]
+    return child.face_vertices[inner], np.roll(QUARTERS[4], 2, axis=1)[slot[inner]]
+
+
+def face_corners(topology):
+    """The face corner (half-edge) of each cell of a dual scheme: all but those on curves that are plain."""
+    return np.flatnonzero(Curves.of(topology).inner)
 
 
 def _padded(corners):

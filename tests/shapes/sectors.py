@@ -6,7 +6,8 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
-from shapes.parameters import CORNERS
+from shapes.parameters import CORNERS, DUAL
+from subdfit.schemes._doo_sabin_curves import Curves
 
 
 class Corners(NamedTuple):
@@ -22,7 +23,10 @@ class Corners(NamedTuple):
 
 def corners_of(surface):
     """All corners of cells that stand for a control vertex."""
-    domain, tags = surface.domain, surface.topology.corner_sharpness
+    domain = surface.domain
+    pinned = np.isinf(surface.topology.corner_sharpness)
+    if surface.scheme.name in DUAL:
+        pinned = Curves.of(surface.topology).corner
     number = np.array([len(CORNERS[int(shape)]) for shape in domain.shape])
     face, side = np.nonzero((domain.neighbour >= 0) & ~domain.sharp)
     beyond, other = domain.neighbour[face, side], domain.neighbour_side[face, side]
@@ -39,7 +43,7 @@ def corners_of(surface):
         sector,
         np.bincount(sector)[sector],
         sharp_sides(domain)[vertex],
-        np.isinf(tags[vertex]),
+        pinned[vertex],
     )
 
 

@@ -303,6 +303,7 @@ ZOO: dict[str, Shape] = {
 @cache
 def mesh_of(name: str) -> ControlMesh:
     """Return a shape of the zoo, made once."""
+    from shapes.curved import CURVED
     from shapes.polygons import POLYGONS
 
-    return (ZOO | POLYGONS)[name]()
+    return (ZOO | POLYGONS | CURVED)[name]()

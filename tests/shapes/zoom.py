@@ -2,16 +2,24 @@
 
 import numpy as np
 
-from shapes.parameters import CORNERS, child_of
+from shapes.parameters import CORNERS, DUAL, child_of, face_corners
 from subdfit.mesh.topology import Topology
 from subdfit.schemes import SCHEMES
 
 
-def neighbourhood(topology, points, face):
+def can_be_cut_out(scheme, name):
+    """Whether refinement of a part is that of the whole, and quick.
+
+    For dual schemes the edge of a part is a curve that joins the others, and parts are larger.
+    """
+    return scheme not in DUAL or name in ("tetrahedron", "prism 8", "house", "extruded")
+
+
+def neighbourhood(topology, points, face, rings=1):
     """Cut out the faces that touch `face`, with their tags; returns (topology, points, row of the face)."""
-    t = topology
-    own = np.isin(t.face_vertices, t.face_vertices[t.face == face])
-    touching = np.unique(t.face[own])
+    t, touching = topology, np.array([face])
+    for _ in range(rings):
+        touching = np.unique(t.face[np.isin(t.face_vertices, t.face_vertices[np.isin(t.face, touching)])])
     corners = [t.face_vertices[t.face_offsets[f] : t.face_offsets[f + 1]] for f in touching]
     kept, rows = np.unique(np.concatenate(corners), return_inverse=True)
     row = np.full(t.vertex_count, -1)
@@ -31,11 +39,22 @@ def neighbourhood(topology, points, face):
     return cut, points[kept], int(np.searchsorted(touching, face))
 
 
+def dual_neighbourhood(topology, points, cell):
+    """The same for the cell of a face corner; faces at the edge of the cut have masks of their own."""
+    corner = face_corners(topology)[cell]
+    face = topology.face[corner]
+    cut, kept, row = neighbourhood(topology, points, face, rings=2)
+    corner = cut.face_offsets[row] + corner - topology.face_offsets[face]
+    return cut, kept, int(np.searchsorted(face_corners(cut), corner))
+
+
 def zoom(scheme_name, mesh, cell, uv, levels=30):
     """The limit point at (u, v) of one cell, by refinement alone.
 
-    The last face's limit corners are interpolated linearly, which errs by the square of its size.
+    The last face's limit corners are interpolated linearly, which errs by the square of its size. Of a dual scheme's
+    last cell, which is smaller, the limit of one corner is taken.
     """
+    levels = 44 if scheme_name in DUAL else levels
     scheme = SCHEMES[scheme_name]
     topology, points, uv = mesh.topology, mesh.points, np.asarray(uv)[None]
     for level in range(levels):
@@ -43,8 +62,12 @@ def zoom(scheme_name, mesh, cell, uv, levels=30):
         (cell,), uv, _ = child_of(scheme_name, topology, [cell], uv)
         topology, points = step.child, step.matrix @ points
         # Only from the second level on does a face's neighbourhood not touch itself again; cells are faces by then.
-        if level >= 1:
+        if level >= 1 and scheme_name in DUAL:
+            topology, points, cell = dual_neighbourhood(topology, points, cell)
+        elif level >= 1:
             topology, points, cell = neighbourhood(topology, points, cell)
+    if scheme_name in DUAL:
+        return (scheme.limit_rows(topology) @ points)[topology.face_vertices[face_corners(topology)[cell]]]
     corners = topology.face_vertices[topology.face == cell]
     limits = (scheme.limit_rows(topology) @ points)[corners]
     (u, v), n = uv[0], len(corners)

@@ -2,10 +2,13 @@
 
 from subdfit.errors import InputError
 from subdfit.schemes.catmull_clark import CatmullClark
+from subdfit.schemes.doo_sabin import DooSabin
 from subdfit.schemes.loop import Loop
 from subdfit.schemes.scheme import Refinement, Scheme
 
-SCHEMES: dict[str, Scheme] = {scheme.name: scheme for scheme in (Loop(), CatmullClark())}
+_ALL: tuple[Scheme, ...] = (Loop(), CatmullClark(), DooSabin(), DooSabin("doo-sabin-averaging", averaging=True))
+
+SCHEMES: dict[str, Scheme] = {scheme.name: scheme for scheme in _ALL}
 
 __all__ = ["SCHEMES", "Refinement", "Scheme", "scheme_named"]
 

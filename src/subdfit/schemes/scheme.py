@@ -47,8 +47,8 @@ class Refinement:
     ----------
     child : the refined connectivity.
     rows : what becomes of points.
-    vertex_row : (n,) int64, the child vertex that each vertex becomes.
-    edge_row : (e,) int64, the child vertex that stands for each edge.
+    vertex_row : (n,) int64, the child vertex that each vertex becomes; -1 in dual schemes, where it is a face.
+    edge_row : (e,) int64, the child vertex that stands for each edge; -1 likewise.
     """
 
     child: Topology

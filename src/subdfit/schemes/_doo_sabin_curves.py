@@ -1,0 +1,125 @@
+"""Sharp curves of a mesh as Doo-Sabin subdivision sees them, and what they make of faces.
+
+Curves that meet are *plain* if on each side every vertex joins two faces, or one at a corner, and every face has one
+edge on them or two that meet in a corner, and four corners or more. Along plain curves faces are halves and quarters
+(see `_doo_sabin_masks`). Along other curves faces are whole; the first step lays a strip of quads beside the curve,
+which by that is plain from then on.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
+
+from subdfit.mesh.topology import Topology
+from subdfit.schemes import _sector_kernels as kernels
+from subdfit.schemes._doo_sabin_masks import Face
+from subdfit.schemes._level import preceding, sharp_edges_round
+
+Flags = NDArray[np.bool_]
+Rows = NDArray[np.integer]
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """A mesh with its sharp curves.
+
+    Attributes
+    ----------
+    topology : the mesh; what is sharp is sharp for ever.
+    preceding : (h,) int32, the half-edge before each in its face.
+    sharp : (h,) bool.
+    sharp_count : (n,) int64, sharp edges at each vertex.
+    sector, position, sector_size : (h,) int32, at each face corner the first outgoing half-edge of the faces between
+        two sharp edges (of all faces, off the curves), counter-clockwise; how many lie before; how many there are.
+    corner : (n,) bool, where curves stop: tagged vertices on them, ends of three or more sharp edges, and vertices
+        with a single face between two sharp edges.
+    """
+
+    topology: Topology
+    preceding: NDArray[np.int32]
+    sharp: Flags
+    sharp_count: Rows
+    sector: NDArray[np.int32]
+    position: NDArray[np.int32]
+    sector_size: NDArray[np.int32]
+    corner: Flags
+
+    @classmethod
+    def of(cls, t: Topology) -> "Curves":
+        """Find the curves of a mesh."""
+        sharp, before = np.ascontiguousarray(t.sharpness[t.edge] > 0), preceding(t)
+        count = sharp_edges_round(t, sharp)
+        sector, size, position, _ = kernels.corner_sectors(
+            t.face_offsets,
+            t.face_vertices,
+            t.following,
+            before,
+            t.face,
+            t.twin,
+            sharp,
+            count,
+            np.zeros(t.vertex_count, np.bool_),
+        )
+        corner = (t.corner_sharpness > 0) | (count >= 3)
+        corner[t.face_vertices[size == 1]] = True
+        return cls(t, before, sharp, count, sector, position, size, corner & (count > 0))
+
+    @cached_property
+    def sides(self) -> Rows:
+        """Corners of each face, (f,)."""
+        return np.diff(self.topology.face_offsets).astype(np.int64)
+
+    @cached_property
+    def on_curve(self) -> Flags:
+        """Vertices on curves, (n,)."""
+        return self.sharp_count > 0
+
+    @cached_property
+    def plain(self) -> Flags:
+        """Half-edges on plain curves, (h,)."""
+        t, vertex = self.topology, self.topology.face_vertices
+        ends = t.edge_vertices[t.sharpness > 0]
+        shape = (t.vertex_count, t.vertex_count)
+        joined = sp.coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=shape)
+        _, curve = connected_components(joined, directed=False)
+        spoilt = np.zeros(t.vertex_count, np.bool_)
+        crowded = self.on_curve[vertex] & (self.sector_size != np.where(self.corner[vertex], 1, 2))
+        spoilt[curve[vertex[crowded | (self.sharp & ~self._fits[t.face])]]] = True
+        return np.asarray(self.sharp & ~spoilt[curve[vertex]])
+
+    @property
+    def _fits(self) -> Flags:
+        """Faces that may be halves or quarters, (f,)."""
+        face = self.topology.face
+        number = np.bincount(face[self.sharp], minlength=len(self.sides))
+        bent = np.bincount(face[self.sharp & self.sharp[self.preceding]], minlength=len(self.sides))
+        return np.asarray((self.sides >= 4) & ((number == 1) | ((number == 2) & (bent == 1))))
+
+    @cached_property
+    def kind(self) -> NDArray[np.int64]:
+        """A `Face` for each face, (f,)."""
+        return np.bincount(self.topology.face[self.plain], minlength=len(self.sides))
+
+    @cached_property
+    def start(self) -> Rows:
+        """The half-edge with which masks begin, (f,): A to B of a half, V to B of a quarter, any of a whole face."""
+        start = self.topology.face_offsets[:-1].astype(np.int64)
+        begins = np.flatnonzero(self.plain)
+        quarter = self.kind[self.topology.face[begins]] == Face.QUARTER
+        begins = begins[~quarter | self.plain[self.preceding[begins]]]
+        start[self.topology.face[begins]] = begins
+        return start
+
+    @cached_property
+    def inner(self) -> Flags:
+        """Face corners whose new vertex lies inside the surface, (h,): all but those on plain curves."""
+        return np.asarray(~(self.plain | self.plain[self.preceding]))
+
+    def corners(self, face: Rows, sides: int) -> Rows:
+        """Half-edges of faces of so many sides, (k, sides), in the order of their masks."""
+        begin = self.topology.face_offsets[face][:, None].astype(np.int64)
+        return np.asarray(begin + (self.start[face][:, None] - begin + np.arange(sides)) % sides)

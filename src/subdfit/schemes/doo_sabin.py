@@ -1,0 +1,95 @@
+"""Doo-Sabin subdivision of polygon meshes (Doo and Sabin 1978), with boundaries, creases and corners.
+
+The limit is biquadratic over regular parts. New vertices stand for the corners of faces: the scheme is dual.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from subdfit.errors import InputError
+from subdfit.mesh.topology import Topology
+from subdfit.schemes._doo_sabin_cells import Cells
+from subdfit.schemes._doo_sabin_curves import Curves
+from subdfit.schemes._doo_sabin_patches import compile_dual
+from subdfit.schemes._doo_sabin_refine import DualRows, Numbers, child_topology
+from subdfit.schemes.domain import Domain
+from subdfit.schemes.patch_table import PatchTable
+from subdfit.schemes.scheme import Faces, Refinement
+
+
+@dataclass(frozen=True)
+class DooSabin:
+    """Doo and Sabin's scheme; boundary edges are sharp, and sharp curves bound what is smooth.
+
+    Curves are quadratic B-splines of their control polygons. They end in corners: tagged vertices on them, ends of
+    three or more sharp edges, and vertices with a single face between two sharp edges.
+
+    Attributes
+    ----------
+    name : the scheme's name.
+    averaging : take the mask that averages (Cheng et al. 2009) in place of Doo and Sabin's own.
+    """
+
+    name: str = "doo-sabin"
+    averaging: bool = False
+    faces: Faces = "polygons"
+
+    def validate(self, topology: Topology) -> None:
+        """Raise InputError for inner valences below 3, semi-sharp tags, and creases or corners that end no curve."""
+        t = topology
+        tags = np.concatenate([t.sharpness, t.corner_sharpness])
+        if np.any((tags > 0) & np.isfinite(tags)):
+            raise InputError(
+                "Doo-Sabin subdivision takes creases and corners that are sharp for ever; give sharpness 10"
+            )
+        curves = Curves.of(t)
+        inside = ~curves.on_curve
+        _refuse(inside & (t.valence < 3), "has valence 2; merge its two faces into one")
+        _refuse(
+            curves.sharp_count == 1, "ends a crease inside the surface; lead the crease on to a boundary or a crease"
+        )
+        _refuse(
+            inside & (t.corner_sharpness > 0), "is tagged a corner but lies on no crease or boundary; remove the tag"
+        )
+
+    def domain(self, topology: Topology) -> Domain:
+        """One quad a face corner, from the corner's vertex over the middle of its edge to the middle of its face.
+
+        A corner on a plain curve (see `_doo_sabin_curves`) has none: the cells beside it reach to the curve.
+        """
+        return Cells.of(Curves.of(topology)).domain()
+
+    def refine(self, topology: Topology) -> Refinement:
+        """Make a face of each face, a quad of each smooth edge, and a polygon of each vertex, in this order.
+
+        New vertices stand for face corners, those inside the surface first, in the order of half-edges; along curves
+        see `_doo_sabin_refine.child_topology`. No new vertex stands for a vertex or an edge.
+        """
+        curves = Curves.of(topology)
+        numbers = Numbers(curves)
+        child, _ = child_topology(curves, numbers)
+        none = (np.full(topology.vertex_count, -1), np.full(topology.edge_count, -1))
+        return Refinement(child, DualRows(curves, numbers, self.averaging), *none)
+
+    def limit_rows(self, topology: Topology) -> sp.csr_array:
+        """Limit of each vertex: the mean of the new vertices that stand for it, inside or on its curve."""
+        curves = Curves.of(topology)
+        numbers = Numbers(curves)
+        vertex, has_a_say = numbers.vertices
+        stands = np.flatnonzero(has_a_say)
+        weight = 1 / np.bincount(vertex[stands], minlength=topology.vertex_count)[vertex[stands]]
+        shape = (topology.vertex_count, numbers.vertex_count)
+        mean = sp.csr_array((weight, (vertex[stands], stands)), shape=shape)
+        return sp.csr_array(mean @ DualRows(curves, numbers, self.averaging).matrix)
+
+    def patches(self, topology: Topology) -> PatchTable:
+        """Compile for exact evaluation: one biquadratic patch a cell, four where both its ends are irregular."""
+        self.validate(topology)
+        return compile_dual(Cells.of(Curves.of(topology)), self.averaging)
+
+
+def _refuse(bad: np.ndarray[tuple[int], np.dtype[np.bool_]], why: str) -> None:
+    if bad.any():
+        raise InputError(f"vertex {np.argmax(bad)} {why}")

@@ -1,1 +1,0 @@
-"""What other programs make of the same control meshes."""
