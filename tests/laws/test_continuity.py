@@ -76,11 +76,11 @@ def test_curves_along_sharp_sides_have_one_tangent_seen_from_both_cells(surface)
 
 
 def flat(corners, scheme):
-    """Corners whose sector has a tangent plane."""
+    """Corners whose sector has a tangent plane: not round inner vertices of valence two."""
     crease, corner = FLAT_SECTORS[scheme]
     bounded = corners.sharp_sides >= 2
     tagged = corners.pinned | (corners.sharp_sides >= 3)
-    return np.where(bounded, corners.cells <= np.where(tagged, corner, crease), ~tagged)
+    return np.where(bounded, corners.cells <= np.where(tagged, corner, crease), ~tagged & (corners.cells > 2))
 
 
 def test_normals_agree_round_every_vertex_with_a_tangent_plane(surface):

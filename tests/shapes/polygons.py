@@ -160,8 +160,8 @@ CHAIN = across(10, 1, 4)
 
 POLYGONS: dict[str, Shape] = {
     **{f"prism {n}": partial(prism, n) for n in (3, 4, 5, 8)},
-    **{f"rhombic {n}": partial(rhombic, n) for n in (4, 5, 6, 9)},
-    **{f"quad fan {n}": partial(quad_fan, n) for n in (3, 4, 5, 7)},
+    **{f"rhombic {n}": partial(rhombic, n) for n in (2, 4, 5, 6, 9)},
+    **{f"quad fan {n}": partial(quad_fan, n) for n in (2, 3, 4, 5, 7)},
     **{f"half quad fan {k}": partial(half_quad_fan, k) for k in range(1, 6)},
     "quad torus 3 3": partial(quad_torus, 3, 3),
     "quad torus 4 6": partial(quad_torus, 4, 6),
@@ -174,7 +174,7 @@ POLYGONS: dict[str, Shape] = {
     "quad dart": partial(quad_disc, crease_edges=CHAIN[:2]),
     "quad semi crease": partial(quad_disc, crease_edges=CHAIN, crease_sharpness=[0.5, 1.0, 1.7, 2.0]),
     "quad pinned": partial(quad_disc, corner_vertices=[0, 2, 12]),
-    **{f"quad dart {n}": partial(rhombic, n, crease_edges=[[0, 2]]) for n in (3, 4, 6)},
+    **{f"quad dart {n}": partial(rhombic, n, crease_edges=[[0, 2]]) for n in (2, 3, 4, 6)},
     **{
         f"quad parted {n} {k}": partial(rhombic, n, crease_edges=[[0, 2], [0, 2 + 2 * k]])
         for n, k in [(4, 1), (4, 2), (6, 2)]

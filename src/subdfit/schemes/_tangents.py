@@ -32,6 +32,9 @@ def limit_tangents(step: Matrix, kind: CornerType) -> Matrix:
     if kind.pinned or (kind.faces == 1 and not kind.closed):
         # A corner's sharp edges keep their directions; a single quad's span its plane (k 4^-k beats 4^-k).
         tangents = np.eye(len(step))[edge] - np.eye(len(step))[0]
+    elif kind.closed and kind.faces == 2 and not kind.dart:
+        # No tangent plane: both faces fold flat along their two edges' common line, and 1/4, 1/4 and -1/4 lead.
+        tangents = (np.eye(len(step))[edge] - np.eye(len(step))[edge[::-1]]) / 2
     elif kind.closed:
         tangents = _projected(step, edge)
     else:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from subdfit.errors import InputError
 from subdfit.mesh.topology import Topology
 from subdfit.schemes._cells import face_cells
 from subdfit.schemes._compile import compile_patches
@@ -27,13 +26,7 @@ class CatmullClark:
     faces: Faces = "polygons"
 
     def validate(self, topology: Topology) -> None:
-        """Raise InputError unless all inner valences are 3 or more."""
-        t = topology
-        inner = np.ones(t.vertex_count, np.bool_)
-        inner[t.edge_vertices[t.boundary_edges]] = False
-        thin = np.flatnonzero(inner & (t.valence < 3))
-        if len(thin):
-            raise InputError(f"inner vertex {thin[0]} has valence 2; merge its two faces into one")
+        """Take every mesh; an inner vertex of two faces is a point of the surface without a tangent plane."""
 
     def domain(self, topology: Topology) -> Domain:
         """One quad a face where all faces are quads; else a quad for every corner of a face, in `refine`'s order."""
@@ -58,7 +51,6 @@ class CatmullClark:
 
     def patches(self, topology: Topology) -> PatchTable:
         """Compile for exact evaluation: one bicubic patch a cell, several where rules or irregular corners part it."""
-        self.validate(topology)
         if _quads_only(topology):
             return compile_patches(QuadPatches(self.refine), topology)
         step = self.refine(topology)
