@@ -1,6 +1,7 @@
 """What users of the library call: each function composes the rooms below and adds nothing of its own."""
 
 from subdfit.api.cages import control_mesh_of
+from subdfit.api.converting import convert
 from subdfit.api.files import read, write
 from subdfit.api.fitting import fit
 from subdfit.api.interpolating import interpolate
@@ -22,6 +23,7 @@ __all__ = [
     "Tessellation",
     "compare",
     "control_mesh_of",
+    "convert",
     "fit",
     "history_picture",
     "interpolate",
