@@ -8,17 +8,24 @@ from numpy.typing import NDArray
 from subdfit.fit.adapt import refined
 from subdfit.fit.faults import Faults, all_sides, curve_sides, cutting_sides, large_enough
 from subdfit.fit.places import Places
-from subdfit.fit.reverse import Strays, strays
+from subdfit.fit.reverse import Samples, inner_samples, strays
 from subdfit.fit.settings import FitSettings
-from subdfit.fit.state import FitState
+from subdfit.fit.state import Errors, FitState
 from subdfit.fit.stop import CURVE_FACTOR, badness, error_that_matters
-from subdfit.fit.system import Rows
-from subdfit.fit.tangent import TangentSettings, merit, pull, reverse_rows, sparse_samples, tangent_step
+from subdfit.fit.tangent import TangentSettings, merit, reverse_rows, tangent_step
 
 STEPS = 3
-"""Steps between adaptations."""
+"""Most steps in a round."""
+GAIN = 0.9
+"""A round ends when a step leaves more than this share of the energy."""
+ENOUGH = 16
+"""Points a cell that take part in the steps; errors are those of all points."""
+SPARSE = 3
+"""Cells with fewer points than this are sampled, for nothing else keeps them near the target."""
 CAP = 0.25
 """Most faces, as a share, that one adaptation refines for their error."""
+MISSING = 0.7
+"""Share of the vertices that seem to be missing for mean and rms, which one adaptation adds."""
 FEW = 0.01
 """When fewer faces than this share are too far off, they are split on all sides and no edge is flipped."""
 LATE_DAMPING = 1e-2
@@ -29,41 +36,56 @@ DAMPING_RANGE = (1e-6, 1.0)
 """Levenberg damping falls by 3 after a step that is kept and rises by 10 after one that is not, within this range."""
 GIVE = 1.05
 """A step is kept if it raises the error by no more than this factor; the driver keeps the best state."""
-STRAY_WEIGHT = 10.0
-"""Weight of a sample of the surface that strayed, against a data point."""
 
 
 class Auto:
-    """Tangent-distance minimisation with Levenberg damping; adapts every few steps."""
+    """Rounds of a few damped tangent-distance steps, the control mesh adapted before each but the first."""
 
-    two_sided = True
+    patience = 12
 
     def __init__(self, settings: FitSettings, weights: TangentSettings | None = None) -> None:
         self.settings = settings
         self.weights = weights or TangentSettings()
         self._damping = self.weights.damping
-        self._steps = 0
-        self._watched: Strays | None = None
-        self._sampled: tuple[FitState, Strays] | None = None
+        self._begun = False
+        self._seen: tuple[FitState, Samples] | None = None
 
     def advance(self, state: FitState) -> FitState:
-        """One step, kept if the true error falls; every `STEPS` steps the control mesh is adapted first."""
-        if self._steps >= STEPS:
-            self._steps = 0
+        """One round: the control mesh is adapted, then moved until that gains little."""
+        nearly = badness(state, self.settings.tolerance) <= NEARLY
+        if self._begun:
             state = self.adapt(state)
-        self._steps += 1
+        self._begun = True
+        samples = self._sparse(state)
+        if nearly:
+            samples = samples.joined(self._strays(state))
+        some, rows = state.thinned(ENOUGH)
+        return state.followed(self._moved(some, samples), rows)
+
+    def settled(self, state: FitState) -> bool:
+        """Whether no sample of the surface strays beyond the tolerance."""
+        bound = self.settings.tolerance.max
+        return bound is None or not np.any(np.abs(self._strays(state).gaps(state.surface)) > bound)
+
+    def _moved(self, state: FitState, samples: Samples) -> FitState:
+        """Steps, each kept if it lowers the energy with new footpoints, until one gains little."""
         bound = error_that_matters(self.settings.tolerance)
-        samples = self._samples(state)
-        rows = [*self._sample_rows(state, samples, bound), *self._stray_rows(state)]
-        points = tangent_step(state, self.weights, self._damping, rows, self.settings.fixed_boundary)
-        moved = state.moved(points)
         low, high = DAMPING_RANGE
-        # A step also serves what is in no error: the shape of the control mesh. That may cost a little.
-        before = merit(state, samples, self.weights, bound)
-        if merit(moved, self._samples(moved), self.weights, bound) < GIVE * before:
+        energy = merit(state, samples, self.weights, bound)
+        for _ in range(STEPS):
+            pulled = reverse_rows(state, self.weights, samples, bound)
+            points = tangent_step(state, self.weights, self._damping, [pulled], self.settings.fixed_boundary)
+            moved = state.moved(points)
+            left = merit(moved, samples, self.weights, bound)
+            # A step also serves what is in no error: the shape of the control mesh. That may cost a little.
+            if left > GIVE * energy:
+                self._damping = min(self._damping * 10, high)
+                continue
             self._damping = max(self._damping / 3, low)
-            return moved
-        self._damping = min(self._damping * 10, high)
+            gain = left / energy
+            state, energy = moved, left
+            if gain > GAIN:
+                break
         return state
 
     def adapt(self, state: FitState) -> FitState:
@@ -83,44 +105,29 @@ class Auto:
             return state
         if few:
             self._damping = max(self._damping, LATE_DAMPING)
-        self._watched = None
         finer = refined(state, marks, regularise=not few)
         budget = self.settings.max_control_vertices
         return finer if budget is None or finer.surface.topology.vertex_count <= budget else state
 
-    def _samples(self, state: FitState) -> Strays:
-        """Samples of the state's sparse faces, found once a state."""
-        if self._sampled is None or self._sampled[0] is not state:
-            self._sampled = (state, sparse_samples(state))
-        return self._sampled[1]
+    def _sparse(self, state: FitState) -> Samples:
+        """Samples of cells with few data points."""
+        count = np.bincount(state.face, minlength=state.surface.domain.face_count)
+        return inner_samples(state.surface, state.data.target, np.flatnonzero(count < SPARSE))
 
-    def _sample_rows(self, state: FitState, samples: Strays, bound: float) -> list[Rows]:
-        if len(samples) == 0:
-            return []
-        weight = pull(samples, self.weights, bound)
-        return [reverse_rows(state, self.weights, samples.face, samples.uv, samples.gap, weight)]
-
-    def _strays(self, state: FitState) -> Strays | None:
-        """Samples of the surface that stray, once the data's side is nearly within tolerance."""
+    def _strays(self, state: FitState) -> Samples:
+        """Samples of the surface that stray by half the tolerance or more."""
         bound = self.settings.tolerance.max
-        if bound is None or badness(state, self.settings.tolerance) > NEARLY:
-            return None
-        return strays(state, 0.9 * bound)
-
-    def _stray_rows(self, state: FitState) -> list[Rows]:
-        """Pull strays back; once seen they are watched until the connectivity changes."""
-        found = self._strays(state)
-        if found is not None and len(found):
-            self._watched = found if self._watched is None else self._watched.joined(found)
-        if self._watched is None:
-            return []
-        self._watched = self._watched.follow(state)
-        w = self._watched
-        return [reverse_rows(state, self.weights, w.face, w.uv, w.gap, np.full(len(w), STRAY_WEIGHT))]
+        if bound is None:
+            return Samples.none()
+        if self._seen is None or self._seen[0] is not state:
+            self._seen = (state, strays(state.surface, state.data.target, bound / 2))
+        return self._seen[1]
 
     def _stray_faces(self, state: FitState) -> NDArray[np.int64]:
-        found = self._strays(state)
-        return np.unique(Places(state.surface).face[found.face]) if found is not None else np.empty(0, np.int64)
+        """Faces whose samples stray beyond the tolerance, or nearly."""
+        bound, found = self.settings.tolerance.max, self._strays(state)
+        far = np.abs(found.gaps(state.surface)) > 0.9 * (bound or np.inf)
+        return np.unique(Places(state.surface).face[found.face[far]])
 
     def _bad_faces(self, state: FitState) -> NDArray[np.int64]:
         """Faces whose maximum is too large, worst first and capped; where a mean is, those with the largest sums."""
@@ -133,9 +140,16 @@ class Auto:
             bad = np.flatnonzero(worst > tolerance.max)
             bad = bad[np.argsort(-worst[bad], kind="stable")[:cap]]
         if not replace(tolerance, max=None).met(errors.max, errors.rms, errors.mean):
-            largest = np.argsort(-faults.squares, kind="stable")[: max(1, cap // 5)]
+            wanted = int(min(MISSING * self._missing(errors) * state.surface.topology.vertex_count, cap))
+            largest = np.argsort(-faults.squares, kind="stable")[: max(1, wanted)]
             bad = np.concatenate([bad, np.setdiff1d(largest, bad)])
         return bad
+
+    def _missing(self, errors: Errors) -> float:
+        """Growth of the control vertices that mean and rms seem to need: errors fall about as vertices grow."""
+        asked = self.settings.tolerance
+        ratios = [e / b for e, b in ((errors.rms, asked.rms), (errors.mean, asked.mean)) if b is not None]
+        return max(ratios) - 1
 
     def _within_budget(self, state: FitState, marks: NDArray[np.bool_], faces: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Drop marks, all but those of the worst faces, where they would exceed the budget of vertices."""

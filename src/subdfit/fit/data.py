@@ -48,6 +48,20 @@ class FitData:
         crease = np.setdiff1d(np.unique(row[target.crease_edges]), boundary)
         return cls(points, len(used), allowance, boundary, crease, target)
 
+    def subset(self, rows: NDArray[np.int64]) -> "FitData":
+        """The data of some rows, ascending."""
+        number = np.full(len(self.points), -1, np.int64)
+        number[rows] = np.arange(len(rows))
+        boundary, crease = number[self.boundary], number[self.crease]
+        return FitData(
+            self.points[rows],
+            int(np.searchsorted(rows, self.vertices)),
+            self.allowance[rows],
+            boundary[boundary >= 0],
+            crease[crease >= 0],
+            self.target,
+        )
+
     @cached_property
     def spacing(self) -> float:
         """Mean length of the target's edges; 0 for a cloud."""

@@ -15,7 +15,6 @@ from subdfit.fit.data import FitData
 from subdfit.fit.fitter import Fitter
 from subdfit.fit.geometric import Geometric
 from subdfit.fit.result import FitResult, Iteration, Status
-from subdfit.fit.reverse import strays
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import badness, within
@@ -30,10 +29,8 @@ logger = logging.getLogger(__name__)
 
 METHODS: dict[str, Callable[[FitSettings], Fitter]] = {"auto": Auto, "geometric": Geometric}
 
-REVERSE_PATIENCE, REVERSE_GROWTH = 40, 1.15
-"""Iterations, and factor of control vertices, spent on the reverse side after the data's side is within tolerance."""
-PATIENCE = 24
-"""Iterations without a better state, at the budget of control vertices, after which the best is returned."""
+REVERSE_GROWTH = 1.15
+"""Factor of control vertices spent on the reverse side after the data's side is within tolerance."""
 
 
 class Progress(NamedTuple):
@@ -89,13 +86,13 @@ class _Run:
             mesh = self.outside(state)
             self.callback(Progress(stage, row.iteration, count, errors.max, errors.rms, elapsed, mesh))
 
-    def spent_on_reverse(self, state: FitState) -> bool:
+    def spent_on_reverse(self, state: FitState, patience: int) -> bool:
         """Whether, once the data's side is within tolerance, enough was tried for the reverse side."""
         count = state.surface.topology.vertex_count
         if self.first_within is None:
             self.first_within = (len(self.history), count)
         iteration, vertices = self.first_within
-        return len(self.history) - iteration > REVERSE_PATIENCE or count > REVERSE_GROWTH * vertices
+        return len(self.history) - iteration > patience or count > REVERSE_GROWTH * vertices
 
     def outside(self, state: FitState) -> ControlMesh:
         """The state's control mesh in the target's coordinates."""
@@ -172,27 +169,20 @@ def _iterate(run: _Run, state: FitState) -> FitState:
     settings = run.settings
     fitter = METHODS[settings.method](settings)
     for _ in range(settings.max_iterations):
-        if within(state, settings.tolerance) and (not fitter.two_sided or _reverse_within(state, settings)):
+        if within(state, settings.tolerance) and fitter.settled(state):
             clock = time.perf_counter()
             state = state.verified()
             run.timed("verification", clock)
             if within(state, settings.tolerance):
                 return state
-        if within(state, settings.tolerance) and run.spent_on_reverse(state):
+        if within(state, settings.tolerance) and run.spent_on_reverse(state, fitter.patience):
             return state
         state = fitter.advance(state)
         run.record("fit", state)
-        budget = settings.max_control_vertices
-        full = budget is not None and state.surface.topology.vertex_count >= budget
-        if full and len(run.history) - run.best_iteration > PATIENCE:
+        if len(run.history) - run.best_iteration > fitter.patience:
             break
     assert run.best is not None
     return run.best
-
-
-def _reverse_within(state: FitState, settings: FitSettings) -> bool:
-    bound = settings.tolerance.max
-    return bound is None or len(strays(state, bound)) == 0
 
 
 def _result(run: _Run, state: FitState, measurement: Measurement, interrupted: bool, unit: str | None) -> FitResult:

@@ -10,11 +10,15 @@ class Fitter(Protocol):
 
     Attributes
     ----------
-    two_sided : it also draws a surface that strays back to the target, so that iterating is worth while.
+    patience : iterations without gain after which more are of no use.
     """
 
-    two_sided: bool
+    patience: int
 
     def advance(self, state: FitState) -> FitState:
         """One iteration: move the control points, adapting the control mesh first where that is due."""
+        ...
+
+    def settled(self, state: FitState) -> bool:
+        """Whether a state within tolerance has nothing left to mend, such as a reverse side that strays."""
         ...

@@ -28,7 +28,7 @@ SETTLED = 1e-4
 class Geometric:
     """Nishiyama's algorithm as printed; the boundary step, over-relaxation and momentum are ours."""
 
-    two_sided = False
+    patience = 24
 
     def __init__(self, settings: FitSettings) -> None:
         self.settings = settings
@@ -45,6 +45,10 @@ class Geometric:
         start = self._extrapolated(state)
         points = start.surface.control_mesh.points + self.settings.over_relaxation * self.displacements(start)
         return self.recompute_footpoints(start, points)
+
+    def settled(self, state: FitState) -> bool:
+        """The paper knows no reverse side."""
+        return True
 
     def displacements(self, state: FitState) -> Floats:
         """Displacement of each control vertex, (n, 3): equations 3 and 4. Where the weights sum to zero it is zero."""

@@ -51,9 +51,16 @@ class Places:
 
     def vertices(self) -> Floats:
         """Points of the surface at the control vertices, (n, 3)."""
-        t = self.surface.topology
-        cell, corner = (place[t.outgoing] for place in self._corner_of)
-        return self._at(cell, CORNERS[self.surface.domain.shape[cell], corner])
+        return self._at(*self._at_vertices)
+
+    def normals(self) -> Floats:
+        """Unit normals of the surface there, (n, 3), each from one cell."""
+        return self.surface.normals(*self._at_vertices)
+
+    @cached_property
+    def _at_vertices(self) -> tuple[Rows, Floats]:
+        cell, corner = (place[self.surface.topology.outgoing] for place in self._corner_of)
+        return cell, CORNERS[self.surface.domain.shape[cell], corner]
 
     def middles(self, half_edges: Rows) -> Floats:
         """Points of the surface in the middle of sides, (k, 3)."""

@@ -1,65 +1,94 @@
-"""The reverse side: samples of the surface that lie too far from the target."""
+"""The reverse side: samples of the surface, and what of the target lies nearest."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from subdfit.fit.state import FitState
+from subdfit.limit.surface import LimitSurface
 from subdfit.limit.tessellate import lattice
 from subdfit.measure import reverse_segments
+from subdfit.schemes.domain import CORNERS
+from subdfit.target.target import Target
 
 Floats = NDArray[np.float64]
 
+TOUCHING = 1e-9
+"""A sample this near its foot has no direction in which it is off."""
+
 
 @dataclass(frozen=True, eq=False)
-class Strays:
-    """Samples of a surface that lie off the target by more than they may.
+class Samples:
+    """Samples of a surface, each with the tangent plane of the distance to the target at its foot.
+
+    The planes serve surfaces near the one on which the samples were taken, as footpoints do on the other side.
 
     Attributes
     ----------
-    face, uv : (k,) and (k, 2), where they lie.
-    gap : (k, 3), from the sample to the target, less what the target's faceting allows.
+    face, uv : (k,) int32 and (k, 2), where they lie.
+    foot, normal : (k, 3), the nearest point of the target, and the plane's unit normal there.
+    allowance : (k,), what the target's faceting allows.
     """
 
     face: NDArray[np.int32]
     uv: Floats
-    gap: Floats
+    foot: Floats
+    normal: Floats
+    allowance: Floats
+
+    @classmethod
+    def of(
+        cls, surface: LimitSurface, target: Target, face: NDArray[np.int32], uv: Floats, bound: float | None = None
+    ) -> "Samples":
+        """Find the feet of samples, only of those farther off than `bound` where that is given; a cloud has none."""
+        if not target.is_mesh or len(face) == 0:
+            return cls.none()
+        position = surface.evaluate(face, uv).position
+        found = target.tree.closest(position)
+        allowance = target.sagitta[found.triangle]
+        far = slice(None) if bound is None else np.flatnonzero(found.distance - allowance > bound)
+        foot = target.on_triangles(found.triangle[far], found.uv[far])
+        length = found.distance[far][:, None]
+        normal = np.divide(foot - position[far], length, out=np.zeros_like(foot), where=length > TOUCHING)
+        return cls(face[far], np.ascontiguousarray(uv[far]), foot, normal, allowance[far])
+
+    @classmethod
+    def none(cls) -> "Samples":
+        """No samples."""
+        return cls(np.empty(0, np.int32), np.empty((0, 2)), np.empty((0, 3)), np.empty((0, 3)), np.empty(0))
 
     def __len__(self) -> int:
         """Number of samples."""
         return len(self.face)
 
-    def joined(self, other: "Strays") -> "Strays":
-        """Both, each sample once."""
-        face = np.concatenate([self.face, other.face])
-        uv, gap = np.concatenate([self.uv, other.uv]), np.concatenate([self.gap, other.gap])
-        _, first = np.unique(np.column_stack([face, uv]), axis=0, return_index=True)
-        return Strays(face[first], uv[first], gap[first])
+    def gaps(self, surface: LimitSurface) -> Floats:
+        """How far each lies off its plane beyond its allowance, towards the target, (k,); negative from behind."""
+        apart = self.foot - surface.evaluate(self.face, self.uv).position
+        height = np.einsum("kd,kd->k", apart, self.normal)
+        return np.asarray(np.sign(height) * np.maximum(np.abs(height) - self.allowance, 0.0))
 
-    def follow(self, state: FitState) -> "Strays":
-        """The same samples on another surface of the same connectivity."""
-        return Strays(self.face, self.uv, gaps(state, self.face, self.uv))
-
-
-def gaps(state: FitState, face: NDArray[np.int32], uv: Floats) -> Floats:
-    """From samples of the surface to the target, (k, 3): what exceeds the sagitta of the target's face."""
-    target = state.data.target
-    position = state.surface.evaluate(face, uv).position
-    found = target.tree.closest(position)
-    beyond = np.maximum(found.distance - target.sagitta[found.triangle], 0.0)
-    share = np.divide(beyond, found.distance, out=np.zeros_like(beyond), where=found.distance > 0)
-    return share[:, None] * (target.on_triangles(found.triangle, found.uv) - position)
+    def joined(self, other: "Samples") -> "Samples":
+        """These and others."""
+        return Samples(
+            np.concatenate([self.face, other.face]),
+            np.concatenate([self.uv, other.uv]),
+            np.concatenate([self.foot, other.foot]),
+            np.concatenate([self.normal, other.normal]),
+            np.concatenate([self.allowance, other.allowance]),
+        )
 
 
-def strays(state: FitState, bound: float) -> Strays:
-    """Find the samples that lie farther from the target than `bound` and the sagitta of the face they meet.
+def strays(surface: LimitSurface, target: Target, bound: float) -> Samples:
+    """Those of the certificate's samples that lie off the target by more than `bound` and the faceting there."""
+    grid = lattice(surface.domain, reverse_segments(surface.domain.face_count))
+    return Samples.of(surface, target, grid.face, grid.uv, bound)
 
-    The samples are those of the certificate. A point cloud has no reverse side: none stray.
-    """
-    if not state.data.target.is_mesh:
-        return Strays(np.empty(0, np.int32), np.empty((0, 2)), np.empty((0, 3)))
-    grid = lattice(state.surface.domain, reverse_segments(state.surface.domain.face_count))
-    gap = gaps(state, grid.face, grid.uv)
-    far = np.flatnonzero(np.linalg.norm(gap, axis=1) > bound)
-    return Strays(grid.face[far], np.ascontiguousarray(grid.uv[far]), gap[far])
+
+def inner_samples(surface: LimitSurface, target: Target, cells: NDArray[np.int64]) -> Samples:
+    """Samples inside some cells: at the middle, and half-way from there to each corner."""
+    shape = surface.domain.shape[cells]
+    present = surface.domain.present[cells]
+    middle = (CORNERS[shape] * present[:, :, None]).sum(axis=1) / shape[:, None]
+    places = np.concatenate([middle[:, None], (middle[:, None] + CORNERS[shape]) / 2], axis=1)
+    row, column = np.nonzero(np.column_stack([np.ones(len(cells), np.bool_), present]))
+    return Samples.of(surface, target, cells[row].astype(np.int32), np.ascontiguousarray(places[row, column]))

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from subdfit.closest.curves import CurveProjection, SurfaceCurves
 from subdfit.closest.projection import Projection, Projector
 from subdfit.fit.data import FitData
+from subdfit.limit._kernels import order_by_cell
 from subdfit.limit.surface import LimitSurface
 
 Floats = NDArray[np.float64]
@@ -83,6 +84,25 @@ class FitState:
     def moved(self, control_points: Floats) -> "FitState":
         """The same connectivity with other control points; footpoints follow from where they were."""
         return FitState.follow(self.data, self.surface.with_points(control_points), self.face, self.uv)
+
+    def thinned(self, most: int) -> tuple["FitState", NDArray[np.int64]]:
+        """The state of at most `most` points a cell, evenly chosen, and of all points on curves; and their rows."""
+        order = order_by_cell(self.face, self.surface.domain.face_count)
+        cell = self.face[order]
+        count = np.bincount(cell, minlength=self.surface.domain.face_count)
+        rank = np.arange(len(cell)) - (np.cumsum(count) - count)[cell]
+        share = np.minimum(most, count[cell])
+        keep = ~self.data.surface_rows
+        keep[order[(rank + 1) * share // count[cell] > rank * share // count[cell]]] = True
+        rows = np.flatnonzero(keep)
+        data = self.data if len(rows) == len(keep) else self.data.subset(rows)
+        return replace(self, data=data, face=self.face[rows], uv=self.uv[rows], distance=self.distance[rows]), rows
+
+    def followed(self, some: "FitState", rows: NDArray[np.int64]) -> "FitState":
+        """All points on the surface of `some`, whose `rows` know their footpoints already."""
+        face, uv = self.face.copy(), self.uv.copy()
+        face[rows], uv[rows] = some.face, some.uv
+        return FitState.follow(self.data, some.surface, face, uv)
 
     def refreshed(self, threshold: float) -> "FitState":
         """Look globally for nearer footpoints of the points farther than `threshold`."""

@@ -11,6 +11,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from subdfit.fit import _kernels as kernels
+from subdfit.fit.places import Places
 from subdfit.limit.surface import LimitSurface
 from subdfit.parallel import map_chunks
 
@@ -109,7 +110,7 @@ class System:
         self._relaxation = relaxation * mean
         t = surface.topology
         self._laplacian = umbrella(t.edge_vertices, t.sharpness > 0, t.vertex_count)
-        self._normals = vertex_normals(surface)
+        self._normals = Places(surface).normals()
         self._inverse = self._blocks(lumped)
         self._control = surface.control_mesh.points
         if fixed_boundary:
@@ -171,14 +172,6 @@ class System:
             rho, before = float(np.sum(residual * z)), rho
             direction = z + (rho / before) * direction
         return x
-
-
-def vertex_normals(surface: LimitSurface) -> Floats:
-    """Unit normals of the surface at its control vertices' limit points, (n, 3), each from one face at it."""
-    t = surface.topology
-    corner = t.outgoing % 3
-    uv = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])[corner]
-    return surface.normals(t.face[t.outgoing], uv)
 
 
 def umbrella(edges: NDArray[np.int32], sharp: NDArray[np.bool_], count: int) -> sp.csr_array:

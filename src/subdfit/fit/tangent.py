@@ -12,16 +12,12 @@ from numpy.typing import NDArray
 
 from subdfit.closest.curves import CurveProjection
 from subdfit.fit import _kernels as kernels
-from subdfit.fit.reverse import Strays, gaps
+from subdfit.fit.reverse import Samples
 from subdfit.fit.state import FitState
 from subdfit.fit.system import Rows, System
 
 Floats = NDArray[np.float64]
 
-SPARSE = 3
-"""Faces with fewer data points than this are sampled, for nothing else keeps them near the target."""
-SPARSE_UV = np.array([[i / 3, j / 3] for j in range(4) for i in range(4 - j)])
-"""Where they are sampled: at their corners, sides and middle."""
 MOST_PULL = 300.0
 """A sample far off weighs at most this many times one that is near."""
 
@@ -92,30 +88,16 @@ def curve_rows(state: FitState, settings: TangentSettings) -> list[Rows]:
     return found
 
 
-def sparse_samples(state: FitState) -> Strays:
-    """Samples of the faces with few data points and their gaps to the target; a point cloud has none."""
-    count = np.bincount(state.face, minlength=state.surface.domain.face_count)
-    sparse = np.flatnonzero(count < SPARSE).astype(np.int32)
-    if not state.data.target.is_mesh:
-        sparse = sparse[:0]
-    face, uv = np.repeat(sparse, len(SPARSE_UV)), np.tile(SPARSE_UV, (len(sparse), 1))
-    return Strays(face, uv, gaps(state, face, uv) if len(face) else np.empty((0, 3)))
+def reverse_rows(state: FitState, settings: TangentSettings, samples: Samples, bound: float) -> Rows:
+    """Rows that draw samples of the surface to what the target's faceting allows."""
+    gaps = samples.gaps(state.surface)
+    metric = _direction_metric(samples.normal, pull(gaps, settings, bound), settings.tangential)
+    return Rows(*state.surface.patch_weights(samples.face, samples.uv), metric, gaps[:, None] * samples.normal)
 
 
-def pull(samples: Strays, settings: TangentSettings, bound: float) -> Floats:
+def pull(gaps: Floats, settings: TangentSettings, bound: float) -> Floats:
     """Weight of each sample: it rises steeply, a barrier, from gaps of half of `bound` on, up to `MOST_PULL` times."""
-    beyond = np.linalg.norm(samples.gap, axis=1)
-    return np.asarray(settings.reverse_weight * np.clip((2 * beyond / bound) ** 4, 1.0, MOST_PULL))
-
-
-def reverse_rows(
-    state: FitState, settings: TangentSettings, face: NDArray[np.int32], uv: Floats, gap: Floats, weight: Floats
-) -> Rows:
-    """Rows that draw samples of the surface along their `gap`, which is the gradient of the distance to the target."""
-    length = np.linalg.norm(gap, axis=1, keepdims=True)
-    direction = np.divide(gap, length, out=np.zeros_like(gap), where=length > 1e-12)
-    metric = _direction_metric(direction, weight, settings.tangential)
-    return Rows(*state.surface.patch_weights(face, uv), metric, gap)
+    return np.asarray(settings.reverse_weight * np.clip((2 * gaps / bound) ** 4, 1.0, MOST_PULL))
 
 
 def _direction_metric(d: Floats, along: Floats | float, across: float) -> Floats:
@@ -133,9 +115,9 @@ def _curve_rows(state: FitState, curve: CurveProjection, rows: NDArray[np.int64]
     return Rows(*weights, metric, state.data.points[rows] - curve.position)
 
 
-def merit(state: FitState, samples: Strays, settings: TangentSettings, bound: float) -> float:
-    """The true energy that decides whether a step is kept: weighted squares of all distances."""
+def merit(state: FitState, samples: Samples, settings: TangentSettings, bound: float) -> float:
+    """The energy that decides whether a step is kept: weighted squares of all distances, footpoints being new."""
     inside = np.maximum(state.excess[state.data.surface_rows], 0.0)
     curves = settings.curve_weight * np.sum(state.curve_distances**2)
-    strays = np.sum(pull(samples, settings, bound) * np.sum(samples.gap**2, axis=1))
-    return float(np.sum(inside**2) + curves + strays)
+    gaps = samples.gaps(state.surface)
+    return float(np.sum(inside**2) + curves + np.sum(pull(gaps, settings, bound) * gaps**2))
