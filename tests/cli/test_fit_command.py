@@ -174,3 +174,18 @@ def test_a_cloud_of_points_is_refused(sphere, tmp_path, capsys):
     np.savetxt(cloud, subdfit.read(sphere).points)
     assert main(["fit", str(cloud), "-o", str(tmp_path / "a.obj"), "--quiet"]) == 2
     assert capsys.readouterr().err == "subdfit: error: cloud.xyz: has points only; give a mesh with faces\n"
+
+
+def test_the_options_of_the_geometric_method_reach_it(sphere, tmp_path):
+    out, run = str(tmp_path / "cage.obj"), tmp_path / "run.json"
+    options = ["--method", "geometric", "--over-relaxation", "1.5", "--nesterov", "--no-boundary-step"]
+    assert main(["fit", str(sphere), "-o", out, "--max-error", "1%", *options, "--json", str(run), "--quiet"]) == 0
+    asked = json.loads(run.read_text())["settings"]
+    assert (asked["over_relaxation"], asked["nesterov"], asked["boundary_step"]) == (1.5, True, False)
+
+
+def test_a_factor_with_which_nothing_converges_is_refused(sphere, tmp_path, capsys):
+    out = tmp_path / "cage.obj"
+    assert main(["fit", str(sphere), "-o", str(out), "--over-relaxation", "2", "--quiet"]) == 2
+    assert "over_relaxation is 2.0" in capsys.readouterr().err
+    assert not out.exists()

@@ -30,6 +30,9 @@ def fit(
     max_control_vertices: int | None = None,
     creases: Literal["auto", "none"] | float = "auto",
     boundary: Literal["fit", "fixed"] = "fit",
+    over_relaxation: float = 1.0,
+    nesterov: bool = False,
+    boundary_step: bool = True,
     repair: bool = False,
     keep_components: int | None = None,
     fill_holes: int | None = None,
@@ -62,6 +65,9 @@ def fit(
         degrees above which an edge is a crease.
     boundary
         ``fit`` moves boundary control vertices by boundary data; ``fixed`` leaves them where they start.
+    over_relaxation, nesterov, boundary_step
+        Of the method ``geometric``: a factor on its displacements, above 0 and below 2; Nesterov's momentum; and our
+        step for boundaries, without which boundary data pull as all others do. The paper has 1, no and no.
     repair
         Cut apart edges with more than two faces and surfaces that cannot be oriented, instead of refusing them.
     keep_components
@@ -101,6 +107,7 @@ def fit(
         lengths["max"] = parse_length(DEFAULT_MAX_ERROR, "max_error")
     how = Preparation(creases, repair, keep_components, fill_holes, parse_bytes(memory))
     _check(scheme, method, boundary, control_vertices, max_control_vertices, seed)
+    _check_relaxation(over_relaxation)
     begun, compiled = time.perf_counter(), compile_clock.seconds
     with workers(threads):
         ready = prepare(target, how)
@@ -114,6 +121,9 @@ def fit(
             control_vertices=control_vertices,
             max_control_vertices=max_control_vertices,
             fixed_boundary=boundary == "fixed",
+            over_relaxation=over_relaxation,
+            nesterov=nesterov,
+            boundary_step=boundary_step,
         )
         found = fit_target(ready.target, settings, progress, unit)
     seconds = ready.seconds | found.seconds | elapsed(begun, compiled)
@@ -165,3 +175,9 @@ def _check(
         raise InputError(
             f"control_vertices is {control_vertices} and max_control_vertices {budget}; start with no more than that"
         )
+
+
+def _check_relaxation(factor: float) -> None:
+    """Raise InputError for a factor with which no iteration converges."""
+    if not 0 < factor < 2:
+        raise InputError(f"over_relaxation is {factor}; choose a factor above 0 and below 2, 1 being the paper's")

@@ -66,6 +66,17 @@ def _add_method(parser: argparse.ArgumentParser) -> None:
         "--boundary", choices=("fit", "fixed"), default="fit", help="move boundary vertices, or not (default: fit)"
     )
     group.add_argument("--seed", metavar="N", type=int, default=0, help="of random numbers; no method draws any today")
+    group = parser.add_argument_group("the method geometric")
+    group.add_argument(
+        "--over-relaxation", metavar="FACTOR", type=float, default=1.0, help="on displacements, below 2 (default: 1)"
+    )
+    group.add_argument("--nesterov", action="store_true", help="accelerate by Nesterov's momentum")
+    group.add_argument(
+        "--no-boundary-step",
+        dest="boundary_step",
+        action="store_false",
+        help="boundary data pull as all others do, as in the paper",
+    )
 
 
 def run(args: argparse.Namespace, console: Console) -> int:
@@ -87,7 +98,8 @@ def run(args: argparse.Namespace, console: Console) -> int:
 def fit_arguments(args: argparse.Namespace) -> dict[str, Any]:
     """Arguments of `subdfit.fit` for the command's options."""
     names = ("scheme", "method", "control_vertices", "max_control_vertices", "boundary", "seed")
-    return options.target_arguments(args) | {name: getattr(args, name) for name in names}
+    geometric = ("over_relaxation", "nesterov", "boundary_step")
+    return options.target_arguments(args) | {name: getattr(args, name) for name in (*names, *geometric)}
 
 
 def write_all(args: argparse.Namespace, result: "FitResult", console: Console) -> None:

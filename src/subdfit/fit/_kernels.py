@@ -39,24 +39,6 @@ def transposed_product(offsets, columns, values, vectors, start, stop, out):  # 
 
 
 @kernel
-def barycentric_sums(face, uv, error, corner, start, stop, moved, weight):  # type: ignore[no-untyped-def]
-    """Sum error vectors over the one-ring of each control vertex, weighted by barycentric coordinates.
-
-    Nishiyama et al. 2008, equations 3 and 4: `moved` (n, 3) gathers u e, `weight` (n,) gathers u. `corner` (f, 3) holds
-    the control vertices of each face.
-    """
-    for k in range(start, stop):
-        f = face[k]
-        u, v = uv[k, 0], uv[k, 1]
-        for c in range(3):
-            share = 1 - u - v if c == 0 else (u if c == 1 else v)
-            i = corner[f, c]
-            weight[i] += share
-            for d in range(3):
-                moved[i, d] += share * error[k, d]
-
-
-@kernel
 def group_maximum(group, value, out):  # type: ignore[no-untyped-def]
     """Raise ``out[g]`` to the largest `value` of group g."""
     for k in range(len(group)):

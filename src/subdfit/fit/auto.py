@@ -19,7 +19,7 @@ STEPS = 3
 GAIN = 0.9
 """A round ends when a step leaves more than this share of the energy."""
 ENOUGH = 16
-"""Points a cell that take part in the steps; errors are those of all points."""
+"""Points a cell that take part in the steps while the control mesh still changes; errors are those of all points."""
 SPARSE = 3
 """Cells with fewer points than this are sampled, for nothing else keeps them near the target."""
 CAP = 0.25
@@ -53,12 +53,16 @@ class Auto:
     def advance(self, state: FitState) -> FitState:
         """One round: the control mesh is adapted, then moved until that gains little."""
         nearly = badness(state, self.settings.tolerance) <= NEARLY
+        topology = state.surface.topology
         if self._begun:
             state = self.adapt(state)
+        final = self._begun and state.surface.topology is topology
         self._begun = True
         samples = self._sparse(state)
         if nearly:
             samples = samples.joined(self._strays(state))
+        if final:
+            return self._moved(state, samples)
         some, rows = state.thinned(ENOUGH)
         return state.followed(self._moved(some, samples), rows)
 

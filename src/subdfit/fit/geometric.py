@@ -7,15 +7,16 @@ barycentric coordinates (equations 3 to 5). Every five iterations vertices are i
 from dataclasses import replace
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from subdfit.closest.projection import Projector
-from subdfit.fit import _kernels as kernels
+from subdfit.closest.projection import Projector, corner_weights
 from subdfit.fit.adapt import refined
 from subdfit.fit.faults import Faults, all_sides
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FOOTPOINT_TOLERANCE, FitState
 from subdfit.fit.stop import within
+from subdfit.limit.surface import LimitSurface
 
 Floats = NDArray[np.float64]
 
@@ -57,11 +58,9 @@ class Geometric:
         inside = np.arange(len(error))
         if self.settings.boundary_step:
             inside = np.flatnonzero(state.data.surface_rows)
-        moved = np.zeros((surface.topology.vertex_count, 3))
-        weight = np.zeros(len(moved))
-        face, uv = state.face[inside], state.uv[inside]
-        kernels.barycentric_sums(face, uv, error[inside], surface.domain.vertex, 0, len(face), moved, weight)
-        displacement = np.divide(moved, weight[:, None], out=np.zeros_like(moved), where=weight[:, None] > 1e-9)
+        pulls = influence(surface, state.face[inside], state.uv[inside])
+        moved, weight = np.asarray(pulls.T @ error[inside], np.float64), np.asarray(pulls.sum(axis=0), np.float64)
+        displacement: Floats = np.divide(moved, weight[:, None], out=np.zeros_like(moved), where=weight[:, None] > 1e-9)
         if self.settings.boundary_step or self.settings.fixed_boundary:
             self.curve_displacements(state, displacement)
         return displacement
@@ -141,3 +140,18 @@ class Geometric:
         share = (self._momentum - 1) / following
         self._momentum, self._before = float(following), points
         return replace(state, surface=state.surface.with_points(points + share * (points - before)))
+
+
+def influence(surface: LimitSurface, face: NDArray[np.int32], uv: Floats) -> sp.csr_array:
+    """Weights u by which points pull at control vertices, (k, n) sparse: barycentric coordinates (equation 3).
+
+    In quads they are bilinear. Where corners of cells are no control vertices there are no such coordinates: the basis
+    values take their place, as in progressive least-squares approximation (LSPIA, Deng and Lin 2014).
+    """
+    domain = surface.domain
+    if np.any(domain.vertex[domain.present] < 0):
+        return surface.weights(face, uv)
+    corner = domain.present[face]
+    offsets = np.concatenate([[0], np.cumsum(domain.shape[face], dtype=np.int64)])
+    values, columns = corner_weights(domain.shape[face], uv)[corner], domain.vertex[face][corner]
+    return sp.csr_array((values, columns, offsets), shape=(len(face), surface.topology.vertex_count))

@@ -75,19 +75,24 @@ class Measurement:
     footpoints: Projection
     diagonal: float
 
+    def meets(self, tolerance: Tolerance) -> bool:
+        """Whether the data's side, samples inside large faces included, is within the tolerance."""
+        inside = tolerance.max is None or self.samples_excess <= tolerance.max
+        return inside and tolerance.met(self.max, self.rms, self.mean)
+
     def certifies(self, tolerance: Tolerance, cloud: bool = False) -> bool:
         """Whether the surface lies within the tolerance on both sides (of a point cloud: on the data's side).
 
         Where no largest error is asked, the reverse side is held to the mean and rms, without regard to faceting.
         """
-        if not tolerance.met(self.max, self.rms, self.mean):
+        if not self.meets(tolerance):
             return False
         if cloud:
             return True
         bound = tolerance.max
         if bound is None:
             return tolerance.met(self.reverse_max, self.reverse_rms, self.reverse_mean)
-        return self.samples_excess <= bound and self.reverse_excess <= bound
+        return self.reverse_excess <= bound
 
 
 def measure(surface: LimitSurface, target: Target, spacing: float, diagonal: float = 1.0) -> Measurement:

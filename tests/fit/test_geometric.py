@@ -1,0 +1,42 @@
+"""The method ``geometric``: its weights, and what accelerates it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from subdfit.fit.driver import fit_target
+from subdfit.fit.geometric import influence
+from subdfit.fit.settings import FitSettings
+from subdfit.limit import LimitSurface
+from subdfit.measure import Tolerance
+from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.target.target import Target
+
+
+def test_points_pull_at_the_corners_of_their_triangle_by_barycentric_coordinates() -> None:
+    mesh = ControlMesh.from_triangles(np.eye(4, 3), [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    rows = influence(LimitSurface(mesh, "loop"), np.array([1, 0], np.int32), np.array([[0.2, 0.3], [0.0, 1.0]]))
+    np.testing.assert_allclose(rows.toarray(), [[0.5, 0, 0.2, 0.3], [0, 0, 1, 0]])
+
+
+@pytest.mark.parametrize("scheme", ["loop", "catmull-clark"])
+def test_weights_sum_to_one(scheme: str) -> None:
+    from shapes.zoo import icosahedron_data
+
+    mesh = ControlMesh.from_triangles(*icosahedron_data())
+    surface = LimitSurface(mesh, scheme)
+    count = surface.domain.face_count
+    rows = influence(surface, np.arange(count, dtype=np.int32), np.full((count, 2), 0.25))
+    assert rows.shape == (count, len(mesh.points))
+    np.testing.assert_allclose(rows.sum(axis=1), 1.0)
+
+
+@pytest.mark.parametrize("faster", [{"over_relaxation": 1.3}, {"nesterov": True}])
+def test_accelerated_it_comes_closer_in_as_many_iterations(faster: dict[str, object], dome: Target) -> None:
+    few = FitSettings(
+        method="geometric", tolerance=Tolerance(max=1e-9), control_vertices=60, max_control_vertices=60,
+        max_iterations=5,
+    )  # fmt: skip
+    plain, quick = fit_target(dome, few), fit_target(dome, replace(few, **faster))  # type: ignore[arg-type]
+    assert quick.measurement.rms < plain.measurement.rms
