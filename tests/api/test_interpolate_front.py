@@ -88,6 +88,17 @@ def test_fair_keeps_the_vertices_first():
     assert document["errors"]["crease"]["max"] <= 1e-12
 
 
+def test_the_largest_components():
+    mesh = mesh_of("two components")
+    whole = subdfit.interpolate(mesh)
+    part = subdfit.interpolate(mesh, keep_components=1)
+    kept = part.control_mesh.topology.vertex_count
+    assert 3 < kept < mesh.topology.vertex_count
+    rows = [np.flatnonzero((mesh.points == p).all(axis=1))[0] for p in part.given.points]
+    assert rows == sorted(rows)
+    np.testing.assert_allclose(part.control_mesh.points, whole.control_mesh.points[rows], atol=1e-10)
+
+
 def test_bad_options():
     data = octahedron_data()
     for option in (

@@ -1,13 +1,18 @@
 """Which edges of a control mesh are creases, as the option ``creases`` says."""
 
+import logging
 from dataclasses import replace
 
 import numpy as np
 
 from subdfit.api.triangulate import triangles_of
+from subdfit.errors import InputError
 from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.schemes.scheme import Scheme
 from subdfit.target.features import automatic_creases, crease_edges
 from subdfit.target.target import Creases
+
+logger = logging.getLogger(__name__)
 
 
 def with_creases(mesh: ControlMesh, creases: Creases) -> ControlMesh:
@@ -36,3 +41,36 @@ def with_creases(mesh: ControlMesh, creases: Creases) -> ControlMesh:
     if np.array_equal(sharpness, t.sharpness):
         return mesh
     return replace(mesh, topology=replace(t, sharpness=sharpness))
+
+
+def accepted(given: ControlMesh, mesh: ControlMesh, scheme: Scheme) -> ControlMesh:
+    """Return the mesh as the scheme takes it: creases that were found, not tagged, lose what ends inside the surface.
+
+    Raises
+    ------
+    InputError
+        The scheme does not take the mesh, or not its own tags.
+    """
+    try:
+        scheme.validate(mesh.topology)
+    except InputError:
+        if mesh is given:
+            raise
+        closed = _without_loose_ends(mesh)
+        scheme.validate(closed.topology)
+        lost = len(mesh.topology.crease_edges) - len(closed.topology.crease_edges)
+        logger.warning("%d crease edges lead to an end inside the surface and are left smooth", lost)
+        return closed
+    return mesh
+
+
+def _without_loose_ends(mesh: ControlMesh) -> ControlMesh:
+    """Smooth the crease edges at vertices with no other sharp edge, until there are none."""
+    t = mesh.topology
+    sharpness = t.sharpness.copy()
+    while True:
+        count = np.bincount(t.edge_vertices[sharpness > 0].ravel(), minlength=t.vertex_count)
+        loose = (sharpness > 0) & ~t.boundary_edges & (count[t.edge_vertices] == 1).any(axis=1)
+        if not loose.any():
+            return replace(mesh, topology=replace(t, sharpness=sharpness))
+        sharpness[loose] = 0.0

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.api.cages import control_mesh_of
-from subdfit.api.creases import with_creases
+from subdfit.api.components import largest_components
+from subdfit.api.creases import accepted, with_creases
 from subdfit.api.fitting import elapsed
 from subdfit.api.interpolation_result import InterpolationResult
 from subdfit.api.sources import MeshSource
@@ -43,6 +44,7 @@ def interpolate(
     method: str = "cg",
     fair: bool = False,
     creases: Literal["auto", "none"] | float = "auto",
+    keep_components: int | None = None,
     tolerance: float = DEFAULT_TOLERANCE,
     most_iterations: int = MOST_ITERATIONS,
     unit: str | None = None,
@@ -67,6 +69,8 @@ def interpolate(
     creases
         ``auto`` takes the creases that the mesh tags, else edges that are surely sharp; ``none``; or an angle in
         degrees above which an edge is a crease. Boundaries and creases are interpolated by their own curves.
+    keep_components
+        Interpolate so many of the largest components; vertices of the others are left out.
     tolerance
         Stop where no limit point is farther from its vertex than this share of the bounding box's diagonal.
     most_iterations
@@ -93,15 +97,15 @@ def interpolate(
     >>> result.surface.vertex_limits()  # the bunny's vertices  # doctest: +SKIP
     """
     _check(method, tolerance, most_iterations)
-    how = Preparation(creases)
+    how = Preparation(creases, keep_components=keep_components)
     begun, compiled = time.perf_counter(), compile_clock.seconds
     watch = _Watch()
     with workers(threads):
         watch.begin("read", "reading")
-        given = with_creases(control_mesh_of(mesh, scheme), how.creases)
+        cage = largest_components(control_mesh_of(mesh, scheme), how.keep_components)
+        rules = scheme_named(cage.scheme or "loop")
+        given = accepted(cage, with_creases(cage, how.creases), rules)
         watch.begin("operator", "making the limit operator")
-        rules = scheme_named(given.scheme or "loop")
-        rules.validate(given.topology)
         operator = LimitOperator.of(rules.limit_rows(given.topology))
         watch.begin("solve", "solving")
         frame = _frame(given.points)
@@ -125,7 +129,13 @@ def interpolate(
         null_vectors=found.null_vectors,
         energy=(smoothed.before, smoothed.after) if smoothed else None,
         diagonal=frame.diagonal,
-        settings={"fair": fair, "creases": how.creases, "tolerance": tolerance, "threads": threads},
+        settings={
+            "fair": fair,
+            "creases": how.creases,
+            "keep_components": keep_components,
+            "tolerance": tolerance,
+            "threads": threads,
+        },
         seconds=watch.seconds | elapsed(begun, compiled),
         unit=unit,
     )

@@ -46,6 +46,7 @@ def add_parser(commands: Any) -> None:
         default=1e-12,
         help="largest distance of a vertex from the surface, as a share of the diagonal (default: 1e-12)",
     )
+    parser.add_argument("--keep-components", metavar="N", type=int, help="interpolate the N largest components only")
     parser.add_argument("--json", metavar="FILE", help="errors, seconds, and the largest error at each iteration")
     parser.add_argument("--unit", metavar="NAME", help="name of the mesh's unit, for messages")
     parser.add_argument("--threads", metavar="N", type=int, help="threads to use (default: one a core)")
@@ -58,7 +59,7 @@ def run(args: argparse.Namespace, console: Console) -> int:
     from subdfit import api
 
     check_outputs(args.output, [args.mesh], documents=[args.json])
-    names = ("scheme", "method", "fair", "creases", "tolerance", "unit", "threads")
+    names = ("scheme", "method", "fair", "creases", "keep_components", "tolerance", "unit", "threads")
     result = api.interpolate(args.mesh, **{name: getattr(args, name) for name in names})
     clock = time.perf_counter()
     console.stage("writing")

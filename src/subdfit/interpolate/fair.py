@@ -8,18 +8,22 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from subdfit.errors import InputError
 from subdfit.interpolate.energy import thin_plate
 from subdfit.limit.surface import LimitSurface
 from subdfit.mesh.control_mesh import ControlMesh
-from subdfit.schemes.scheme import Scheme
+from subdfit.schemes.domain import CORNERS
+from subdfit.schemes.scheme import Refinement, Scheme
 
 Floats = NDArray[np.float64]
 
 _ENOUGH = 1e-8
 """Share of the gradient's norm at which the energy is least for all purposes; the data are met exactly in any case."""
 _MOST_STEPS = 2000
+_SAME = 1e-8
+"""Distance, for control points of size 1, below which two points are one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,12 +32,14 @@ class Fair:
 
     Attributes
     ----------
-    control_mesh : once refined; the first vertices are those of the given mesh, in its order.
-    distances : (n,) of the data from the limit points of those.
+    control_mesh : once refined; where the scheme keeps vertices, those of the given mesh come first, in its order.
+    limit_rows : (n, m), limit points at the data from the control points.
+    distances : (n,) of the data from these.
     before, after : thin-plate energy of the plain interpolation and of this one.
     """
 
     control_mesh: ControlMesh
+    limit_rows: sp.csr_array
     distances: Floats
     before: float
     after: float
@@ -50,54 +56,91 @@ def fair_interpolation(scheme: Scheme, data: ControlMesh, plain: Floats) -> Fair
         (n, 3), control points that interpolate them, or nearly.
     """
     step = scheme.refine(data.topology)
-    n = data.topology.vertex_count
-    if not np.array_equal(step.vertex_row, np.arange(n)):
-        raise InputError(f"{scheme.name}: refining does not keep vertices, as fair interpolation needs; leave it out")
-    constraint = _Constraint.of(sp.csr_array(scheme.limit_rows(step.child)[:n]), n)
-    reference = LimitSurface(ControlMesh(step.child, step.matrix @ data.points), scheme)
+    reference = LimitSurface(ControlMesh(step.child, step.refined(data.points)), scheme)
+    rows = old_limit_rows(reference, step, scheme.limit_rows(data.topology))
+    constraint = _Constraint.of(rows)
     energy = thin_plate(reference)
-    start = constraint.met(step.matrix @ plain, data.points)
+    start = constraint.met(step.refined(plain), data.points)
     points = constraint.met(start + _lowering(energy, constraint, start), data.points)
+    distances = np.linalg.norm(rows @ points - data.points, axis=1)
     mesh = ControlMesh(step.child, points, scheme.name)
-    distances = np.linalg.norm(constraint.rows @ points - data.points, axis=1)
-    return Fair(mesh, distances, _value(energy, start), _value(energy, points))
+    return Fair(mesh, rows, distances, _value(energy, start), _value(energy, points))
+
+
+def old_limit_rows(surface: LimitSurface, step: Refinement, limits: sp.csr_array) -> sp.csr_array:
+    """Limit points of the vertices of a mesh, (n, m), from the control points of its refinement.
+
+    A vertex that is kept has the limit of what it became. The others lie at corners of the refined surface's cells, and
+    are found there by their positions for random control points.
+
+    Parameters
+    ----------
+    surface
+        Any surface over the refined mesh.
+    limits
+        (n, n), the limit rows of the mesh itself.
+    """
+    if np.all(step.vertex_row >= 0):
+        return sp.csr_array(surface.scheme.limit_rows(step.child)[step.vertex_row])
+    random = np.random.default_rng(0).standard_normal((limits.shape[0], 3))
+    domain = surface.domain
+    cell, corner = np.nonzero(domain.present)
+    uv = CORNERS[domain.shape[cell], corner]
+    places = surface.with_points(step.refined(random)).evaluate(cell, uv).position
+    found, nearest = cKDTree(places).query(limits @ random)
+    distance = np.asarray(found)
+    if distance.max() > _SAME:
+        raise InputError(f"{surface.scheme.name}: vertex {distance.argmax()} is at no corner of a refined cell")
+    return surface.weights(cell[nearest], uv[nearest])
 
 
 @dataclass(frozen=True, eq=False)
 class _Constraint:
-    """Limit points of old vertices after refinement: each depends on its own control point and on new ones only.
+    """Limit points at the data: each fixes one control point, its own, in terms of others.
 
     Attributes
     ----------
-    rows : (n, m) limit rows; own : (n,) weights of the old vertices, others : (n, m - n) of the new ones.
+    pivot, weight : (n,), the control point that each datum fixes, and its weight there.
+    others : (n, m), the limit rows without these entries.
     """
 
-    rows: sp.csr_array
-    own: Floats
+    pivot: NDArray[np.int64]
+    weight: Floats
     others: sp.csr_array
 
     @classmethod
-    def of(cls, rows: sp.csr_array, n: int) -> "_Constraint":
-        return cls(rows, rows.diagonal(), sp.csr_array(rows[:, n:]))
+    def of(cls, rows: sp.csr_array) -> "_Constraint":
+        """Choose for each row the largest entry in a column that no other row uses."""
+        entries = rows.tocoo()
+        alone = np.bincount(entries.col, entries.data != 0, rows.shape[1])[entries.col] == 1
+        order = np.lexsort((entries.data, alone, entries.row))
+        last = order[np.flatnonzero(np.diff(entries.row[order], append=rows.shape[0]))]
+        if len(last) < rows.shape[0] or not alone[last].all():
+            raise InputError("some vertices share all their control points with others; leave the fair surface out")
+        pivot = entries.col[last].astype(np.int64)
+        free = np.ones(rows.shape[1])
+        free[pivot] = 0.0
+        return cls(pivot, entries.data[last], sp.csr_array(rows @ sp.diags_array(free)))
 
     def met(self, points: Floats, data: Floats) -> Floats:
-        """Points with the old vertices moved so that the limit points are the data."""
-        n = len(self.own)
-        old = (data - self.others @ points[n:]) / self.own[:, None]
-        return np.concatenate([old, points[n:]])
+        """Points with the fixed ones where they make the limit points the data."""
+        out = points.copy()
+        out[self.pivot] = (data - self.others @ points) / self.weight[:, None]
+        return out
 
-    def spread(self, free: Floats) -> Floats:
-        """A change of the new vertices, and the change of the old ones that keeps the limit points."""
-        return np.concatenate([-(self.others @ free) / self.own[:, None], free])
+    def spread(self, change: Floats) -> Floats:
+        """A change of free control points, and that of the fixed ones which keeps the limit points."""
+        return self.met(change, np.zeros((len(self.pivot), 3)))
 
     def gathered(self, forces: Floats) -> Floats:
-        """The transpose of `spread`."""
-        n = len(self.own)
-        return np.asarray(forces[n:] - self.others.T @ (forces[:n] / self.own[:, None]))
+        """Forces on the free control points (0 on the others) from those on all: the transpose of `spread`."""
+        out = forces - self.others.T @ (forces[self.pivot] / self.weight[:, None])
+        out[self.pivot] = 0.0
+        return np.asarray(out)
 
 
 def _lowering(energy: sp.csr_array, constraint: _Constraint, start: Floats) -> Floats:
-    """The change that makes the energy least while the limit points stay: conjugate gradients on the new vertices."""
+    """The change that makes the energy least while the limit points stay: conjugate gradients on the free points."""
     inverse = 1 / _diagonal(energy, constraint)[:, None]
     residual = -constraint.gathered(energy @ start)
     change = np.zeros_like(residual)
@@ -118,13 +161,12 @@ def _lowering(energy: sp.csr_array, constraint: _Constraint, start: Floats) -> F
 
 
 def _diagonal(energy: sp.csr_array, constraint: _Constraint) -> Floats:
-    """Diagonal of the energy as a form of the new vertices, but for what couples several old ones, (m - n,)."""
-    n = len(constraint.own)
+    """Diagonal of the energy as a form of the free points, but for what couples several fixed ones, (m,)."""
     diagonal = energy.diagonal()
-    slope = sp.csr_array(sp.diags_array(-1 / constraint.own) @ constraint.others)
-    mixed = energy[:n, n:].multiply(slope).sum(axis=0)
-    pulled = sp.csr_array(slope.multiply(slope)).T @ diagonal[:n]
-    found = diagonal[n:] + 2 * mixed + pulled
+    slope = sp.csr_array(sp.diags_array(-1 / constraint.weight) @ constraint.others)
+    mixed = energy[constraint.pivot].multiply(slope).sum(axis=0)
+    pulled = sp.csr_array(slope.multiply(slope)).T @ diagonal[constraint.pivot]
+    found = diagonal + 2 * mixed + pulled
     largest = found.max()
     return np.maximum(found, 1e-3 * largest) if largest > 0 else np.ones_like(found)
 
