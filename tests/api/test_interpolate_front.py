@@ -101,6 +101,8 @@ def test_the_largest_components():
 
 def test_bad_options():
     data = octahedron_data()
+    with pytest.raises(subdfit.InputError, match="has no mask"):
+        subdfit.interpolate(data, scheme="loop", mask="averaging")
     for option in (
         {"method": "magic"},
         {"tolerance": 0},

@@ -28,7 +28,7 @@ from subdfit.interpolate import (
     interpolate_points,
 )
 from subdfit.mesh.control_mesh import ControlMesh
-from subdfit.schemes import scheme_named
+from subdfit.schemes import SCHEMES, scheme_named
 from subdfit.target.frame import Frame
 
 logger = logging.getLogger(__name__)
@@ -41,6 +41,7 @@ def interpolate(
     mesh: ControlMesh | MeshSource,
     *,
     scheme: str | None = None,
+    mask: Literal["original", "averaging"] = "original",
     method: str = "cg",
     fair: bool = False,
     creases: Literal["auto", "none"] | float = "auto",
@@ -59,6 +60,8 @@ def interpolate(
         topology that the scheme takes. A manifold keeps its vertices in their order; another mesh is mended first.
     scheme
         Overrides the mesh's own; None takes that, else Loop for triangles, Catmull-Clark for others.
+    mask
+        ``original``, or ``averaging`` for the variant of Doo and Sabin's scheme that Cheng et al. use.
     method
         ``cg`` solves corners, then curves, then the rest by conjugate gradients (by BiCGStab where no diagonal makes
         the system symmetric); ``progressive`` is the iteration of Cheng et al.; ``over-relaxation`` and ``chebyshev``
@@ -102,7 +105,7 @@ def interpolate(
     watch = _Watch()
     with workers(threads):
         watch.begin("read", "reading")
-        cage = largest_components(control_mesh_of(mesh, scheme), how.keep_components)
+        cage = largest_components(_with_mask(control_mesh_of(mesh, scheme), mask), how.keep_components)
         rules = scheme_named(cage.scheme or "loop")
         given = accepted(cage, with_creases(cage, how.creases), rules)
         watch.begin("operator", "making the limit operator")
@@ -130,6 +133,7 @@ def interpolate(
         energy=(smoothed.before, smoothed.after) if smoothed else None,
         diagonal=frame.diagonal,
         settings={
+            "mask": mask,
             "fair": fair,
             "creases": how.creases,
             "keep_components": keep_components,
@@ -176,6 +180,16 @@ def _check(method: str, tolerance: float, most_iterations: int) -> None:
     if isinstance(tolerance, bool) or not isinstance(tolerance, int | float) or not 0 < tolerance < 1:
         raise InputError(f"tolerance is {tolerance!r}; give a share of the diagonal between 0 and 1, such as 1e-10")
     check_count(most_iterations, "most_iterations", 1)
+
+
+def _with_mask(mesh: ControlMesh, mask: str) -> ControlMesh:
+    """The mesh, for the variant of its scheme that has another mask."""
+    variant = f"{str(mesh.scheme).removesuffix(f'-{mask}')}-{mask}"
+    if mask == "original":
+        return mesh
+    if variant not in SCHEMES:
+        raise InputError(f"{mesh.scheme} has no mask '{mask}'; leave the mask out, or choose a scheme that has")
+    return replace(mesh, scheme=variant)
 
 
 def _frame(points: NDArray[np.float64]) -> Frame:

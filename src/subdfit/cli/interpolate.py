@@ -34,6 +34,12 @@ def add_parser(commands: Any) -> None:
         "over-relaxation, chebyshev: that iteration with better factors",
     )
     parser.add_argument(
+        "--mask",
+        choices=("original", "averaging"),
+        default="original",
+        help="for doo-sabin: its own mask (default), or the averaging one of Cheng et al.",
+    )
+    parser.add_argument(
         "--fair",
         action="store_true",
         help="refine once and take the surface of least thin-plate energy through all vertices (fewer ripples)",
@@ -59,7 +65,7 @@ def run(args: argparse.Namespace, console: Console) -> int:
     from subdfit import api
 
     check_outputs(args.output, [args.mesh], documents=[args.json])
-    names = ("scheme", "method", "fair", "creases", "keep_components", "tolerance", "unit", "threads")
+    names = ("scheme", "mask", "method", "fair", "creases", "keep_components", "tolerance", "unit", "threads")
     result = api.interpolate(args.mesh, **{name: getattr(args, name) for name in names})
     clock = time.perf_counter()
     console.stage("writing")
