@@ -22,6 +22,8 @@ Floats = NDArray[np.float64]
 _ENOUGH = 1e-8
 """Share of the gradient's norm at which the energy is least for all purposes; the data are met exactly in any case."""
 _MOST_STEPS = 2000
+_ROUNDING = 1e-14
+"""Weights below are zeros."""
 _SAME = 1e-8
 """Distance, for control points of size 1, below which two points are one."""
 
@@ -91,7 +93,10 @@ def old_limit_rows(surface: LimitSurface, step: Refinement, limits: sp.csr_array
     distance = np.asarray(found)
     if distance.max() > _SAME:
         raise InputError(f"{surface.scheme.name}: vertex {distance.argmax()} is at no corner of a refined cell")
-    return surface.weights(cell[nearest], uv[nearest])
+    rows = surface.weights(cell[nearest], uv[nearest])
+    rows.data[np.abs(rows.data) < _ROUNDING] = 0.0
+    rows.eliminate_zeros()
+    return rows
 
 
 @dataclass(frozen=True, eq=False)
