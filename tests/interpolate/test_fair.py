@@ -97,8 +97,7 @@ def test_the_data_are_met_and_nothing_is_lower(case):
     assert np.abs(slope).max() <= 1e-6 * max(np.abs(kept.T @ energy @ kept).max(), 1e-3)
 
 
-@pytest.mark.parametrize("scheme", SCHEMES)
-@pytest.mark.parametrize("name", ["beethoven", "bunny"])
+@pytest.mark.parametrize(("scheme", "name"), [("loop", "beethoven"), ("catmull-clark", "beethoven"), ("loop", "bunny")])
 def test_ripples_become_fewer_on_real_meshes(scheme, name, meshes):
     """The bust without its specks of two triangles; the bunny decimated to 2,000 vertices, for time."""
     data = mend(read(meshes / f"{name}.ply")).data
