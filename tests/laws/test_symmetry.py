@@ -62,6 +62,8 @@ def before(surface, other, order, turn, reverse, cell):
 
 
 def check_renumbered(surface, vertex, order, turn, reverse):
+    if surface.scheme.name in DUAL and surface.domain.face_count != len(face_corners(surface.topology)):
+        pytest.skip("faces that are cut first have cells beyond their corners")
     other = LimitSurface(renumbered(surface.control_mesh, vertex, order, turn, reverse), surface.scheme)
     cell, uv = anywhere(other.domain, nearest=6.0)
     old, corners = before(surface, other.topology, order, turn, reverse, cell)

@@ -81,6 +81,8 @@ class Curves:
     @cached_property
     def plain(self) -> Flags:
         """Half-edges on plain curves, (h,)."""
+        if not self.sharp.any():
+            return self.sharp
         t, vertex = self.topology, self.topology.face_vertices
         ends = t.edge_vertices[t.sharpness > 0]
         shape = (t.vertex_count, t.vertex_count)

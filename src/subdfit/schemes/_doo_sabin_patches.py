@@ -166,12 +166,13 @@ def _alike(sides: Rows, kind: Rows) -> list[Rows]:
     return np.split(order, np.cumsum(np.bincount(member))[:-1]) if len(order) else []
 
 
-def compile_dual(cells: Cells, averaging: bool) -> PatchTable:
-    """Compile the patches of all cells."""
+def compile_dual(cells: Cells, averaging: bool, matrix: sp.csr_array | None) -> PatchTable:
+    """Compile the patches of all cells; `matrix` makes the mesh's vertices where they are not the control points."""
     sides = cells.child.sides[cells.child.topology.face[cells.ring]]
     plain = (sides != 4).sum(axis=1) <= 1
     whole, cut = np.flatnonzero(plain), np.flatnonzero(~plain)
     rows = DualRows(cells.parent, cells.numbers, averaging).matrix
+    rows = rows if matrix is None else sp.csr_array(rows @ matrix)
     control = rows.shape[1]
     found, used = _numbered(cells, list_patches(Points(cells.child), cells.ring[whole], 0 * whole, averaging), control)
     patches, blocks = [found], [sp.csr_array(sp.eye_array(control)), sp.csr_array(used @ rows)]

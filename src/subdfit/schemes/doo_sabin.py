@@ -3,7 +3,7 @@
 The limit is biquadratic over regular parts. New vertices stand for the corners of faces: the scheme is dual.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
@@ -14,9 +14,10 @@ from subdfit.schemes._doo_sabin_cells import Cells
 from subdfit.schemes._doo_sabin_curves import Curves
 from subdfit.schemes._doo_sabin_patches import compile_dual
 from subdfit.schemes._doo_sabin_refine import DualRows, Numbers, child_topology
+from subdfit.schemes._doo_sabin_thin import without_thin_vertices
 from subdfit.schemes.domain import Domain
 from subdfit.schemes.patch_table import PatchTable
-from subdfit.schemes.scheme import Faces, Refinement
+from subdfit.schemes.scheme import Faces, MatrixRows, Refinement, Rows
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class DooSabin:
     faces: Faces = "polygons"
 
     def validate(self, topology: Topology) -> None:
-        """Raise InputError for inner valences below 3, semi-sharp tags, and creases or corners that end no curve."""
+        """Raise InputError for semi-sharp tags, creases that end inside the surface, and corners on no curve."""
         t = topology
         tags = np.concatenate([t.sharpness, t.corner_sharpness])
         if np.any((tags > 0) & np.isfinite(tags)):
@@ -46,7 +47,6 @@ class DooSabin:
             )
         curves = Curves.of(t)
         inside = ~curves.on_curve
-        _refuse(inside & (t.valence < 3), "has valence 2; merge its two faces into one")
         _refuse(
             curves.sharp_count == 1, "ends a crease inside the surface; lead the crease on to a boundary or a crease"
         )
@@ -57,9 +57,11 @@ class DooSabin:
     def domain(self, topology: Topology) -> Domain:
         """One quad a face corner, from the corner's vertex over the middle of its edge to the middle of its face.
 
-        A corner on a plain curve (see `_doo_sabin_curves`) has none: the cells beside it reach to the curve.
+        A corner on a plain curve (see `_doo_sabin_curves`) has none: the cells beside it reach to the curve. A face
+        with an inner vertex of two faces counts as the triangles into which it is cut at its centroid.
         """
-        return Cells.of(Curves.of(topology)).domain()
+        domain = Cells.of(Curves.of(without_thin_vertices(topology)[0])).domain()
+        return replace(domain, vertex=np.where(domain.vertex < topology.vertex_count, domain.vertex, np.int32(-1)))
 
     def refine(self, topology: Topology) -> Refinement:
         """Make a face of each face, a quad of each smooth edge, and a polygon of each vertex, in this order.
@@ -67,27 +69,33 @@ class DooSabin:
         New vertices stand for face corners, those inside the surface first, in the order of half-edges; along curves
         see `_doo_sabin_refine.child_topology`. No new vertex stands for a vertex or an edge.
         """
-        curves = Curves.of(topology)
+        whole, matrix = without_thin_vertices(topology)
+        curves = Curves.of(whole)
         numbers = Numbers(curves)
         child, _ = child_topology(curves, numbers)
-        none = (np.full(topology.vertex_count, -1), np.full(topology.edge_count, -1))
-        return Refinement(child, DualRows(curves, numbers, self.averaging), *none)
+        rows: Rows = DualRows(curves, numbers, self.averaging)
+        if matrix is not None:
+            rows = MatrixRows(sp.csr_array(rows.matrix @ matrix))
+        return Refinement(child, rows, np.full(topology.vertex_count, -1), np.full(topology.edge_count, -1))
 
     def limit_rows(self, topology: Topology) -> sp.csr_array:
         """Limit of each vertex: the mean of the new vertices that stand for it, inside or on its curve."""
-        curves = Curves.of(topology)
+        whole, matrix = without_thin_vertices(topology)
+        curves = Curves.of(whole)
         numbers = Numbers(curves)
         vertex, has_a_say = numbers.vertices
-        stands = np.flatnonzero(has_a_say)
+        stands = np.flatnonzero(has_a_say & (vertex < topology.vertex_count))
         weight = 1 / np.bincount(vertex[stands], minlength=topology.vertex_count)[vertex[stands]]
         shape = (topology.vertex_count, numbers.vertex_count)
         mean = sp.csr_array((weight, (vertex[stands], stands)), shape=shape)
-        return sp.csr_array(mean @ DualRows(curves, numbers, self.averaging).matrix)
+        limits = mean @ DualRows(curves, numbers, self.averaging).matrix
+        return sp.csr_array(limits if matrix is None else limits @ matrix)
 
     def patches(self, topology: Topology) -> PatchTable:
         """Compile for exact evaluation: one biquadratic patch a cell, four where both its ends are irregular."""
         self.validate(topology)
-        return compile_dual(Cells.of(Curves.of(topology)), self.averaging)
+        whole, matrix = without_thin_vertices(topology)
+        return compile_dual(Cells.of(Curves.of(whole)), self.averaging, matrix)
 
 
 def _refuse(bad: np.ndarray[tuple[int], np.dtype[np.bool_]], why: str) -> None:
