@@ -6,14 +6,18 @@ import numpy as np
 
 import subdfit
 from benchmarks.common import MODELS, table
+from subdfit.curves.fitting import knots_removed
+from subdfit.curves.loops import fit_loop
+from subdfit.curves.polyline import Polyline
 from subdfit.target.curvature import curvature_field
+from subdfit.target.curves import boundary_loops
 
 PARTS = ("fandisk", "fandisk_large", "block", "casting", "mechpart", "club")
 
 
 def run() -> str:
     """Measure and return the tables."""
-    return "\n\n".join([curvature(), segmentation()])
+    return "\n\n".join([curvature(), segmentation(), curves()])
 
 
 def curvature() -> str:
@@ -79,6 +83,26 @@ def _scattered(count: int, height: float, stretch: float, *, both: bool) -> tupl
     a, b, c = np.moveaxis(tiled[triangles], 1, 0)
     area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
     return q, triangles[own & (area > 1e-12)] % len(q)
+
+
+def curves() -> str:
+    """Control points of boundary loops at .5 % of the diagonal, beside greedy knot removal where there is no corner."""
+    rows = []
+    for name in ("cylinder", "holes", "mech-holes-shark", "blade"):
+        data = subdfit.read(MODELS / f"{name}.ply")
+        diagonal = float(np.linalg.norm(np.ptp(data.points, axis=0)))
+        for loop in boundary_loops(data.face_vertices.reshape(-1, 3)):
+            target, clock = Polyline(data.points[loop.vertices], closed=True), time.process_time()
+            found = fit_loop(target, 5e-3 * diagonal)
+            clock = time.process_time() - clock
+            removal = "-"
+            if not found.corners.any() and len(found.points) < 12:
+                left = knots_removed(target, 5e-3 * diagonal, begin=len(found.points) + 5)
+                removal = str(len(left.curve.points))
+            counts = [str(len(target.points)), str(found.corners.sum()), str(len(found.points)), removal]
+            rows.append([name, *counts, f"{100 * found.error / diagonal:.3f}", f"{clock:.2f}"])
+    head = ["mesh", "loop's points", "sharp", "control points", "by knot removal", "largest error %", "CPU s"]
+    return table(head, rows)
 
 
 def segmentation() -> str:

@@ -1,0 +1,1 @@
+"""Subdivision curves, fitted to boundaries and features."""

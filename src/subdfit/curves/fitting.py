@@ -1,0 +1,225 @@
+"""Subdivision curves fitted to polylines with the fewest control points that meet a tolerance.
+
+The curve is moved by minimising second-order models of the squared distance (Pottmann and Leopoldseder 2003, the
+active B-spline curve) from the target at the footpoints of samples of the curve. How many control points, and where
+they begin, comes from the target's curvature: a cubic spline errs by the fourth power of the spacing times the fourth
+derivative, so that control points lie densest where the target bends most.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subdfit.curves.polyline import Polyline
+from subdfit.curves.squared_distance import tangential_weights
+from subdfit.curves.subdivision_curve import SubdivisionCurve, curve_weights
+from subdfit.errors import InputError
+
+Floats = NDArray[np.float64]
+
+_SAMPLES = 12
+"""Samples of the curve a control segment, and the fewest of a curve."""
+_FEWEST_SAMPLES = 48
+_ROUNDS = 15
+_SETTLED = 1e-3
+"""A fit has settled when its error changes by less than this share in a round."""
+_EVENNESS = 0.05
+"""Share of control points that are spread evenly along the arc, whatever the curvature."""
+_PLACEMENTS = ((0.5, 0.0), (0.25, 0.0), (0.5, 0.3), (0.25, 0.6))
+"""Power of the curvature, and share drawn to the ends, of the placements that are tried."""
+_IDLE = 4
+"""Control points whose removal is tried at the end."""
+_END = 0.5
+"""What counts as an end, in even segments."""
+_STIFFNESS = 1e-7
+"""Weight of second differences of control points, which only decides where nothing else does."""
+
+
+@dataclass(frozen=True)
+class CurveFit:
+    """A subdivision curve fitted to a polyline.
+
+    Attributes
+    ----------
+    curve : the subdivision curve; an open one begins and ends at the polyline's ends.
+    error : largest distance of the polyline's points from the curve, and of samples of the curve from the polyline.
+    iterations : rounds of minimisation of the last fit.
+    """
+
+    curve: SubdivisionCurve
+    error: float
+    iterations: int
+
+
+def fit_curve(target: Polyline, tolerance: float, *, most: int = 200, signed: bool = False) -> CurveFit:
+    """Fit with the fewest control points that meet a tolerance.
+
+    Parameters
+    ----------
+    target : a smooth chain; cut it at its sharp points first.
+    tolerance : largest distance between the two curves, in the target's unit.
+    most : number of control points at which to stop trying; never more than the target's points.
+    signed : use signed radii of curvature in the model of the squared distance (see `tangential_weights`).
+
+    Returns
+    -------
+    CurveFit
+        One that meets the tolerance while one control point fewer does not, by doubling and bisection from a straight
+        line or a triangle; where `most` control points do not, the best.
+    """
+    if not tolerance > 0:
+        raise InputError(f"the tolerance of a curve is {tolerance}; give a positive length")
+    low, high = 1 + target.closed, 2 + target.closed
+    most = max(min(most, len(target.points)), high)
+    best = found = fit_with(target, high, signed=signed)
+    while found.error > tolerance and high < most:
+        low, high = high, min(2 * high, most)
+        found = fit_with(target, high, signed=signed)
+        best = min(best, found, key=lambda fit: fit.error)
+    if found.error > tolerance:
+        return best
+    while high - low > 1:
+        middle = (low + high) // 2
+        tried = fit_with(target, middle, signed=signed)
+        low, high, found = (low, middle, tried) if tried.error <= tolerance else (middle, high, found)
+    return _without_idle(target, found, tolerance, signed)
+
+
+def _without_idle(target: Polyline, fit: CurveFit, tolerance: float, signed: bool) -> CurveFit:
+    """Take out control points near the middle of their neighbours while the tolerance holds."""
+    points, closed = fit.curve.points, fit.curve.closed
+    if len(points) <= 2 + closed:
+        return fit
+    off = np.linalg.norm(points - (np.roll(points, 1, axis=0) + np.roll(points, -1, axis=0)) / 2, axis=1)
+    inner = np.arange(len(points)) if closed else np.arange(1, len(points) - 1)
+    for k in inner[np.argsort(off[inner], kind="stable")][:_IDLE]:
+        fewer = minimise(target, SubdivisionCurve(np.delete(points, k, axis=0), closed), signed=signed)
+        if fewer.error <= tolerance:
+            return _without_idle(target, fewer, tolerance, signed)
+    return fit
+
+
+def fit_with(target: Polyline, count: int, *, signed: bool = False) -> CurveFit:
+    """Fit with a given number of control points: the best of a few placements by the target's curvature."""
+    found = []
+    for power, ends in _PLACEMENTS[:2] if target.closed else _PLACEMENTS:
+        arcs = placed_by_curvature(target, count, power, ends)
+        found.append(minimise(target, SubdivisionCurve(target.at(arcs), target.closed), signed=signed))
+        if count <= 2 + target.closed:
+            break
+    return min(found, key=lambda fit: fit.error)
+
+
+def placed_by_curvature(target: Polyline, count: int, power: float = 0.5, ends: float = 0.0) -> Floats:
+    """Arc lengths (count,) at which control points begin: equal shares of the integral of a power of the curvature.
+
+    Parameters
+    ----------
+    target, count : the chain, and the number of control points.
+    power
+        A spline of spacing h on a curve of curvature k is off by about ``k (k h)^2 h`` over an arc and by ``k h^2``
+        where the curvature jumps: evenly so when h goes with a root of 1 / k.
+    ends
+        Share of the control points that is drawn to the ends. The second derivative of an open subdivision curve is
+        zero there (equation 3), and short segments are needed where the target's is not.
+    """
+    fine = np.linspace(0, target.total, 400)
+    bend, _ = target.curvature(fine, target.total / 20)
+    density = np.linalg.norm(bend, axis=1) ** power
+    density += _EVENNESS * density.mean() + 1e-12 / target.total
+    near = np.minimum(fine, target.total - fine) < _END * target.total / count
+    density[near] += ends * density.sum() / max(near.sum(), 1)
+    share = np.concatenate([[0], np.cumsum((density[1:] + density[:-1]) / 2)])
+    steps = np.arange(count) / (count if target.closed else count - 1)
+    return np.asarray(np.interp(steps * share[-1], share, fine))
+
+
+def minimise(target: Polyline, curve: SubdivisionCurve, *, signed: bool = False) -> CurveFit:
+    """Move a curve's control points until its distance from the target settles; ends of an open curve stay.
+
+    Each round takes footpoints on the target of samples of the curve, and minimises the sum of second-order models of
+    the squared distance there: linear least squares in the control points. The best round is kept.
+    """
+    samples = max(_SAMPLES * curve.length, _FEWEST_SAMPLES)
+    parameters = np.arange(samples) * curve.length / samples
+    W = curve_weights(parameters, len(curve.points), curve.closed)
+    window = max(target.total / 20, 3 * float(np.median(target.lengths)))
+    best = CurveFit(curve, two_sided_error(target, curve), 0)
+    previous = best.error
+    for iteration in range(1, _ROUNDS + 1):
+        curve = _step(target, curve, W, window, signed)
+        error = two_sided_error(target, curve)
+        if error < best.error:
+            best = CurveFit(curve, error, iteration)
+        if abs(previous - error) <= _SETTLED * error:
+            break
+        previous = error
+    return best
+
+
+def _step(target: Polyline, curve: SubdivisionCurve, W: Floats, window: float, signed: bool) -> SubdivisionCurve:
+    at = W @ curve.points
+    arcs, distances = target.closest(at)
+    foot = target.at(arcs)
+    bend, tangent = target.curvature(arcs, window)
+    curvature = np.linalg.norm(bend, axis=1)
+    radius = np.divide(1.0, curvature, out=np.full(len(curvature), np.inf), where=curvature > 0)
+    side = np.sign(np.sum((at - foot) * bend, axis=1))
+    along = tangential_weights(distances, np.where(side == 0, -1.0, side) * radius, signed=signed)
+    # Squared distance: all of the displacement across the tangent, and so much of that along it.
+    metric = np.eye(3) - (1 - along)[:, None, None] * tangent[:, :, None] * tangent[:, None, :]
+    n = len(curve.points)
+    free = np.arange(n) if curve.closed else np.arange(1, n - 1)
+    if len(free) == 0:
+        return curve
+    A = _stiffness(n, curve.closed, float(len(W)))
+    for i in range(3):
+        for j in range(3):
+            A[:, i, :, j] += W.T @ (metric[:, i, j, None] * W)
+    right = W.T @ np.einsum("kij,kj->ki", metric, foot)
+    right -= np.einsum("aibj,bj->ai", np.delete(A, free, axis=2), np.delete(curve.points, free, axis=0))
+    system = A[free][:, :, free].reshape(3 * len(free), -1)
+    points = curve.points.copy()
+    points[free] = np.linalg.solve(system, right[free].ravel()).reshape(-1, 3)
+    return SubdivisionCurve(points, curve.closed)
+
+
+def _stiffness(count: int, closed: bool, samples: float) -> Floats:
+    """Quadratic form of the second differences of control points, (n, 3, n, 3)."""
+    D = np.eye(count) - (np.roll(np.eye(count), 1, axis=1) + np.roll(np.eye(count), -1, axis=1)) / 2
+    if not closed:
+        D = D[1:-1]
+    form = _STIFFNESS * samples * (D.T @ D + 1e-3 * np.eye(count))
+    return np.asarray(np.einsum("ab,ij->aibj", form, np.eye(3)))
+
+
+def two_sided_error(target: Polyline, curve: SubdivisionCurve) -> float:
+    """Largest distance of the target's points from the curve, and of fine samples of the curve from the target."""
+    fine = curve.polyline(16)
+    drawn = Polyline(fine, curve.closed)
+    _, there = drawn.closest(target.points)
+    _, back = target.closest(fine)
+    return float(max(there.max(), back.max()))
+
+
+def knots_removed(target: Polyline, tolerance: float, *, begin: int) -> CurveFit:
+    """Baseline: remove the control point whose loss hurts least, again and again while the tolerance holds.
+
+    It begins with `begin` control points or, where they do not suffice, with the fewest above that do. After each
+    removal the rest is fitted again. It tries every control point in every round, and takes far longer than
+    `fit_curve`.
+    """
+    best = fit_with(target, begin)
+    while best.error > tolerance and begin < len(target.points):
+        begin += 1
+        best = fit_with(target, begin)
+    while len(best.curve.points) > 2 + target.closed:
+        points = best.curve.points
+        removable = range(len(points)) if target.closed else range(1, len(points) - 1)
+        tries = [minimise(target, SubdivisionCurve(np.delete(points, k, axis=0), target.closed)) for k in removable]
+        found = min(tries, key=lambda fit: fit.error)
+        if found.error > tolerance:
+            break
+        best = found
+    return best

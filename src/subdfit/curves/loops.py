@@ -1,0 +1,76 @@
+"""Boundary loops as subdivision curves: cut at sharp points, each smooth part fitted, the parts joined at corners."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subdfit.curves.fitting import fit_curve, fit_with, two_sided_error
+from subdfit.curves.polyline import Polyline
+from subdfit.curves.subdivision_curve import SubdivisionCurve
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class FittedLoop:
+    """A closed piecewise smooth subdivision curve.
+
+    Attributes
+    ----------
+    points : (k, 3) float64, the control points round the loop, k >= 3.
+    corners : (k,) bool, those that stay: the sharp points.
+    limits : (k, 3) float64, where the control points go in the limit.
+    error : largest distance between curve and target, either way.
+    """
+
+    points: Floats
+    corners: NDArray[np.bool_]
+    limits: Floats
+    error: float
+
+
+def fit_loop(target: Polyline, tolerance: float, *, least: int = 3) -> FittedLoop:
+    """Fit a closed polyline with sharp points (Lavoué et al. 2007, section 4.2.2).
+
+    Parameters
+    ----------
+    target : closed.
+    tolerance : largest distance between curve and target, in the target's unit.
+    least : number of control points to have at least, 3 or more.
+
+    Returns
+    -------
+    FittedLoop
+        Begins at the first sharp point, if there is one.
+    """
+    cuts = target.sharp_points()
+    parts = target.parts(cuts)
+    if len(cuts) == 0:
+        fit = fit_curve(target, tolerance)
+        curve = fit.curve if len(fit.curve.points) >= least else fit_with(target, least).curve
+        return _joined(target, [curve])
+    # A single part begins and ends at one point: three segments are the least that enclose anything.
+    curves = [fit_curve(part, tolerance).curve for part in parts]
+    if len(parts) == 1 and len(curves[0].points) < 4:
+        curves = [fit_with(parts[0], 4).curve]
+    while sum(curve.length for curve in curves) < least:
+        longest = int(np.argmax([part.total / curve.length for part, curve in zip(parts, curves, strict=True)]))
+        curves[longest] = fit_with(parts[longest], len(curves[longest].points) + 1).curve
+    return _joined(target, curves)
+
+
+def _joined(target: Polyline, curves: list[SubdivisionCurve]) -> FittedLoop:
+    if curves[0].closed:
+        corners = np.zeros(len(curves[0].points), np.bool_)
+        return FittedLoop(curves[0].points, corners, curves[0].limit_points(), two_sided_error(target, curves[0]))
+    corners = np.concatenate([np.arange(curve.length) == 0 for curve in curves])
+    drawn = Polyline(np.concatenate([curve.polyline(16)[:-1] for curve in curves]), closed=True)
+    _, there = drawn.closest(target.points)
+    _, back = target.closest(drawn.points)
+    return FittedLoop(
+        np.concatenate([curve.points[:-1] for curve in curves]),
+        corners,
+        np.concatenate([curve.limit_points()[:-1] for curve in curves]),
+        float(max(there.max(), back.max())),
+    )
