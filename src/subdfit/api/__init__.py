@@ -8,6 +8,7 @@ from subdfit.api.interpolating import interpolate
 from subdfit.api.interpolation_result import InterpolationResult
 from subdfit.api.measuring import Comparison, compare, measure
 from subdfit.api.pictures import history_picture, picture
+from subdfit.api.reconstructing import Reconstruction, reconstruct
 from subdfit.api.result import FitResult
 from subdfit.api.segmenting import Segmentation, segment
 from subdfit.api.sources import mesh_data
@@ -19,6 +20,7 @@ __all__ = [
     "FitResult",
     "InterpolationResult",
     "LimitSurface",
+    "Reconstruction",
     "Segmentation",
     "Tessellation",
     "compare",
@@ -31,6 +33,7 @@ __all__ = [
     "mesh_data",
     "picture",
     "read",
+    "reconstruct",
     "segment",
     "subdivide",
     "write",

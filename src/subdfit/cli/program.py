@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from subdfit import __version__
-from subdfit.cli import convert, demo, fit, interpolate, measure, segment, subdivide
+from subdfit.cli import convert, demo, fit, interpolate, measure, reconstruct, segment, subdivide
 from subdfit.cli.console import Console, one_line
 from subdfit.cli.faults import keep_details
 from subdfit.errors import InputError, MachineError
@@ -62,7 +62,7 @@ def parser() -> argparse.ArgumentParser:
     )
     program.add_argument("--version", action="version", version=f"subdfit {__version__}")
     commands = program.add_subparsers(metavar="COMMAND", required=True, dest="command")
-    for command in (fit, interpolate, segment, measure, subdivide, convert, demo):
+    for command in (fit, interpolate, reconstruct, segment, measure, subdivide, convert, demo):
         command.add_parser(commands)
     return program
 

@@ -26,11 +26,12 @@ FACE_QUALITY = 2.0 * np.sqrt(3.0)
 
 
 @kernel
-def _cost(h, state, points, quadrics, vertices, twin, mark, kind, valence):  # type: ignore[no-untyped-def]
+def _cost(h, state, points, quadrics, vertices, twin, mark, kind, valence, subset):  # type: ignore[no-untyped-def]
     """Cost of collapsing edge `h`, infinite where its ends must stay apart, and the point they merge in.
 
     A corner never moves and a curve's vertex takes smooth neighbours in without moving; two of a kind meet
-    where their summed quadric is least, or at the best of ends and midpoint where that is ill-posed or was refused.
+    where their summed quadric is least, or at the best of ends and midpoint where that is ill-posed or was refused; in
+    a `subset` of the points always at an end.
     """
     u, v = vertices[h], vertices[following(h)]
     a00, a01 = quadrics[u, 0] + quadrics[v, 0], quadrics[u, 1] + quadrics[v, 1]
@@ -46,10 +47,10 @@ def _cost(h, state, points, quadrics, vertices, twin, mark, kind, valence):  # t
         return np.inf, ux, uy, uz
     solved, x, y, z = quadric_minimum(a00, a01, a02, a11, a12, a22, b0, b1, b2)
     best = np.inf
-    if solved and state[h] != REFUSED and ku == kv:
+    if solved and state[h] != REFUSED and ku == kv and not subset:
         best = quadric_error(a00, a01, a02, a11, a12, a22, b0, b1, b2, c, x, y, z)
     else:
-        for step in range(3):
+        for step in range(0, 3, 2 if subset else 1):
             share = 0.0 if ku > kv else 1.0 if ku < kv else 0.5 * step
             px, py, pz = ux + share * (vx - ux), uy + share * (vy - uy), uz + share * (vz - uz)
             error = quadric_error(a00, a01, a02, a11, a12, a22, b0, b1, b2, c, px, py, pz)
@@ -241,15 +242,17 @@ def collapse_edges(  # type: ignore[no-untyped-def]
     most_valence,
     least_quality,
     least_turn,
+    subset,
 ):
     """Collapse the cheapest admissible edges, in place, until `target` vertices are left or none is admissible.
 
     Quadrics only grow, so a stale entry's cost bounds the true one from below: entries are re-evaluated
     when they reach the top, not when they go stale. A half-edge has at most one entry, so the queue never
-    outgrows the mesh. A collapse may leave valence above `most_valence` only where an end had as much, a
-    triangle of less than `least_quality` only where the star had a worse one, and must keep each survivor's
-    normal within the angle of cosine `least_turn`. What is refused waits for another try, at an
-    end or midpoint, at higher costs.
+    outgrows the mesh. In a `subset` of the points the vertices left stay where they were.
+
+    A collapse may leave valence above `most_valence` only where an end had as much, a triangle of less than
+    `least_quality` only where the star had a worse one, and must keep each survivor's normal within the angle of cosine
+    `least_turn`. What is refused waits for another try, at an end or midpoint, at higher costs.
 
     Returns
     -------
@@ -264,7 +267,7 @@ def collapse_edges(  # type: ignore[no-untyped-def]
     ceiling = -1.0
     for first in range(capacity):
         if vertices[first] >= 0 and twin[first] < first:
-            cost, x, y, z = _cost(first, state, points, quadrics, vertices, twin, mark, kind, valence)
+            cost, x, y, z = _cost(first, state, points, quadrics, vertices, twin, mark, kind, valence, subset)
             if cost < np.inf:
                 state[first] = QUEUED
                 _enter(first, cost, ceiling, keys, edges, sizes)
@@ -279,7 +282,7 @@ def collapse_edges(  # type: ignore[no-untyped-def]
         dead = vertices[h] < 0
         cost = np.inf
         if not dead:
-            cost, x, y, z = _cost(h, state, points, quadrics, vertices, twin, mark, kind, valence)
+            cost, x, y, z = _cost(h, state, points, quadrics, vertices, twin, mark, kind, valence, subset)
             if state[h] >= STALE and keys[0, 0] < cost <= ceiling:
                 state[h] = QUEUED if state[h] == STALE else REFUSED
                 keys[0, 0] = cost
@@ -329,7 +332,7 @@ def collapse_edges(  # type: ignore[no-untyped-def]
         spoke, ring_end = np.int64(outgoing[kept]), False
         while not ring_end:
             if not _grow_stale(spoke, twin, state):
-                cost, x, y, z = _cost(spoke, state, points, quadrics, vertices, twin, mark, kind, valence)
+                cost, x, y, z = _cost(spoke, state, points, quadrics, vertices, twin, mark, kind, valence, subset)
                 if cost < np.inf:
                     state[spoke] = QUEUED
                     _enter(spoke, cost, ceiling, keys, edges, sizes)

@@ -1,10 +1,11 @@
 """Decimation by quadric error metrics that keeps the surface, its boundary and its creases what they are."""
 
 import logging
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial import cKDTree
 
 from subdfit.errors import InputError
 from subdfit.initial._decimate_kernels import CORNER, CURVE, SMOOTH, collapse_edges
@@ -42,6 +43,7 @@ class Decimated:
     corners : (c,) int64, rows of `points`: the corners given, in their order.
     reached : whether `points` has no more rows than asked for.
     message : one line that says why not; None where it was reached.
+    point_rows : (k,) int64, the input's rows of a subset; None where points were placed freely.
     """
 
     points: NDArray[np.float64]
@@ -50,6 +52,7 @@ class Decimated:
     corners: NDArray[np.int64]
     reached: bool
     message: str | None
+    point_rows: NDArray[np.int64] | None = None
 
 
 @dataclass(eq=False)
@@ -73,6 +76,7 @@ def decimate(
     crease_edges: ArrayLike | None = None,
     corners: ArrayLike | None = None,
     max_valence: int = 10,
+    subset: bool = False,
 ) -> Decimated:
     """Collapse edges, least quadric error first, until `target` vertices are left.
 
@@ -94,6 +98,8 @@ def decimate(
         Vertices to leave in place.
     max_valence : int
         Most edges that a collapse may leave at a vertex, unless the target is out of reach otherwise.
+    subset : bool
+        Whether the vertices left are some of the points, where they were; else they are where the error is least.
 
     Returns
     -------
@@ -117,7 +123,7 @@ def decimate(
     middle = 0.5 * (positions.min(axis=0) + positions.max(axis=0))
     size = float(np.linalg.norm(positions.max(axis=0) - positions.min(axis=0))) or 1.0
     mesh = _prepare(topology, (positions - middle) / size, fixed)
-    left = _collapse_in_stages(mesh, target, max_valence)
+    left = _collapse_in_stages(mesh, target, max_valence, subset)
     message = None
     if left > target:
         message = (
@@ -125,7 +131,8 @@ def decimate(
             "a boundary loop, a crease or a corner"
         )
         logger.info(message)
-    return _harvest(mesh, fixed, middle, size, left <= target, message)
+    found = _harvest(mesh, fixed, middle, size, left <= target, message)
+    return _at_their_rows(found, positions) if subset else found
 
 
 def _check(points: NDArray[np.float64], target: int, max_valence: int) -> None:
@@ -171,7 +178,7 @@ def _prepare(topology: Topology, points: NDArray[np.float64], fixed: NDArray[np.
     )
 
 
-def _collapse_in_stages(mesh: _Mesh, target: int, max_valence: int) -> int:
+def _collapse_in_stages(mesh: _Mesh, target: int, max_valence: int, subset: bool) -> int:
     """Give up what is only desirable, one thing after the other, until the target is reached."""
     quadrics = vertex_quadrics(mesh.points, mesh.vertices, mesh.mark)
     left = len(mesh.points)
@@ -199,9 +206,17 @@ def _collapse_in_stages(mesh: _Mesh, target: int, max_valence: int) -> int:
                     most_valence,
                     quality,
                     turn,
+                    subset,
                 )
             )
     return left
+
+
+def _at_their_rows(found: Decimated, points: NDArray[np.float64]) -> Decimated:
+    """Name the points of a subset, which moved by rounding on their way through normalised coordinates."""
+    _, rows = cKDTree(points).query(found.points)
+    rows = np.asarray(rows, np.int64)
+    return replace(found, points=points[rows], point_rows=rows)
 
 
 def _harvest(

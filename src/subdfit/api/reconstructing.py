@@ -1,0 +1,186 @@
+"""`subdfit.reconstruct`: from unorganised points to a triangle mesh."""
+
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subdfit.api.fitting import elapsed
+from subdfit.api.lengths import Length, parse_bytes, parse_length
+from subdfit.api.memory import check_job
+from subdfit.api.sources import MeshSource, source_of
+from subdfit.api.targets import check_count, stages
+from subdfit.api.workers import workers
+from subdfit.compiled import compile_clock
+from subdfit.errors import InputError
+from subdfit.initial.holes import fill_holes
+from subdfit.initial.poisson import poisson_mesh
+from subdfit.initial.reconstruct import ENGINES, GAP, SMALL_HOLE, Reconstructed, distinct
+from subdfit.initial.reconstruct import reconstruct as join_points
+from subdfit.initial.simplify import Simplified, simplify
+from subdfit.mesh.data import MeshData
+from subdfit.mesh.repair import check
+from subdfit.target.frame import Frame
+
+Rows = NDArray[np.int64]
+
+METHODS = (*ENGINES, "poisson")
+
+
+@dataclass(frozen=True, eq=False)
+class Reconstruction:
+    """A triangle mesh made from a cloud of points.
+
+    Attributes
+    ----------
+    mesh : the triangles, an oriented manifold; its points are in the cloud's unit.
+    point_rows : (k,) int64, the row in the cloud of each point of the mesh; None where vertices are no data points.
+    left_out : (l,) int64, rows of the cloud that the surface does not pass through though it was to, repeats of points
+        that it does pass through not counted.
+    repeated : number of points that repeat another's position.
+    error : largest distance from the mesh of the points not left out, in the cloud's unit.
+    settings : what was asked.
+    seconds : ``total``, and ``compile``, which is not in it.
+    """
+
+    mesh: MeshData
+    point_rows: Rows | None
+    left_out: Rows
+    repeated: int
+    error: float
+    settings: dict[str, Any]
+    seconds: dict[str, float]
+
+    def to_dict(self) -> dict[str, Any]:
+        """What ``--json`` writes."""
+        return {
+            "method": self.settings["method"],
+            "vertices": len(self.mesh.points),
+            "faces": self.mesh.face_count,
+            "error": self.error,
+            "left_out": self.left_out.tolist(),
+            "repeated": self.repeated,
+            "settings": self.settings,
+            "seconds": self.seconds,
+        }
+
+
+def reconstruct(
+    points: MeshSource,
+    *,
+    method: str = "greedy",
+    gap: float = GAP,
+    small_hole: int = SMALL_HOLE,
+    vertices: int | None = None,
+    max_error: float | str | None = None,
+    keep_data_points: bool = False,
+    threads: int | None = None,
+    memory: int | str | None = None,
+) -> Reconstruction:
+    """Join unorganised points to a triangle mesh.
+
+    Parameters
+    ----------
+    points
+        An array of points, a path, or anything else that `subdfit.fit` takes; faces, if there are any, are not looked
+        at. Normals in the file decide which side is outside; without them closed surfaces are turned outward.
+    method
+        ``greedy`` passes through the points (Cohen-Steiner and Da 2004); ``cgal`` is the same by the CGAL library, an
+        extra; ``poisson`` passes near noisy points, by Open3D, an extra.
+    gap
+        Voids wider than so many times the distance between neighbouring points are holes.
+    small_hole
+        Holes of at most so many edges are closed.
+    vertices
+        Simplify to so many vertices, topology kept.
+    max_error
+        Simplify to the fewest vertices, but no fewer than `vertices`, of which all points joined lie within this: a
+        length in the points' unit, or a share of the diagonal such as ``"0.01%"``.
+    keep_data_points
+        Simplify to some of the points, instead of to vertices of least error.
+    threads
+        Threads to use; None takes one a core. The result does not depend on it.
+    memory
+        Bytes, or a string such as ``"2G"``: refuse at once what would need more.
+
+    Returns
+    -------
+    Reconstruction
+
+    Raises
+    ------
+    InputError
+        The points cannot be read, there are too few, or no clean surface passes through them; a library is missing.
+
+    Examples
+    --------
+    >>> found = subdfit.reconstruct("scan.xyz", max_error="0.01%")  # doctest: +SKIP
+    >>> subdfit.write("scan.ply", found.mesh)  # doctest: +SKIP
+    """
+    _check(method, gap, small_hole, vertices, keep_data_points)
+    length, limit = parse_length(max_error, "max_error"), parse_bytes(memory)
+    begun, compiled = time.perf_counter(), compile_clock.seconds
+    with workers(threads):
+        stages.info("reading")
+        data, name = source_of(points)
+        check(data, name)
+        check_job(len(data.points), 0, limit, name)
+        stages.info("joining points")
+        found = _joined(data, method, gap, small_hole, name)
+        simple, rows = _simplified(found, vertices, length, keep_data_points)
+    settings: dict[str, Any] = {
+        "method": method,
+        "gap": gap,
+        "small_hole": small_hole,
+        "vertices": vertices,
+        "max_error": max_error,
+        "keep_data_points": keep_data_points,
+        "threads": threads,
+        "memory": limit,
+    }
+    return Reconstruction(
+        mesh=MeshData(simple.points, 3 * np.arange(len(simple.triangles) + 1), simple.triangles.ravel()),
+        point_rows=rows,
+        left_out=found.left_out,
+        repeated=found.repeated,
+        error=simple.error,
+        settings=settings,
+        seconds=elapsed(begun, compiled),
+    )
+
+
+def _check(method: str, gap: float, small_hole: int, vertices: int | None, keep_data_points: bool) -> None:
+    """Raise InputError for options that cannot be, before any work is done."""
+    if method not in METHODS:
+        raise InputError(f"unknown method '{method}'; choose one of {', '.join(METHODS)}")
+    if not gap > 0:
+        raise InputError(f"gap is {gap}; give a number above 0")
+    if method == "poisson" and keep_data_points:
+        raise InputError("the Poisson surface passes near the points, not through them; leave keep_data_points out")
+    check_count(small_hole, "small_hole", 0)
+    check_count(vertices, "vertices", 4)
+
+
+def _joined(data: MeshData, method: str, gap: float, small_hole: int, name: str) -> Reconstructed:
+    if method != "poisson":
+        return join_points(data.points, data.normals, gap=gap, small_hole=small_hole, engine=method, name=name)
+    smooth = poisson_mesh(data.points, data.normals, gap=gap, name=name)
+    closed = fill_holes(smooth.points, smooth.triangles, small_hole)
+    none = np.empty(0, np.int64)
+    return Reconstructed(closed.points, closed.triangles, none, none, len(data.points) - len(distinct(data.points)))
+
+
+def _simplified(
+    found: Reconstructed, vertices: int | None, length: Length | None, keep: bool
+) -> tuple[Simplified, Rows | None]:
+    """The mesh with fewer vertices, if that was asked for, and the cloud's rows of its vertices."""
+    known = found.point_rows if len(found.point_rows) else None
+    if vertices is None and length is None:
+        return Simplified(found.points, found.triangles, known, 0.0), known
+    stages.info("simplifying")
+    diagonal = Frame.of(found.points).diagonal
+    bound = None if length is None else length.share(diagonal) * diagonal
+    simple = simplify(found.points, found.triangles, vertices=vertices, max_error=bound, keep_points=keep)
+    return simple, None if known is None or simple.point_rows is None else known[simple.point_rows]

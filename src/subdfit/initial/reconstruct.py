@@ -1,0 +1,191 @@
+"""A triangle mesh through unorganised points: greedy reconstruction from Delaunay facets."""
+
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from subdfit.errors import InputError
+from subdfit.initial._reconstruct_kernels import grow
+from subdfit.initial.delaunay import spacing, tetrahedra
+from subdfit.initial.holes import fill_holes
+from subdfit.initial.orient import components_of, oriented_outward
+from subdfit.initial.reconstruct_cgal import cgal_triangles
+from subdfit.mesh.topology import Topology
+from subdfit.target.frame import Frame
+
+logger = logging.getLogger(__name__)
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.int64]
+
+GAP = 2.0
+"""Voids wider than so many spacings are holes. The largest empty circle among a million random points measures about
+1.3 spacings, so that no uniform sampling is torn, however irregular."""
+
+SPARSEST = 5.0
+"""No surface begins at triangles of more than so many median spacings: a few outliers may form one by chance."""
+
+SMALL_HOLE = 8
+"""Edges of the longest hole that is closed afterwards: far below what `GAP` would leave open."""
+
+LEAST_SHARE = 0.5
+"""Share of the points that must be on the surface."""
+
+WARN_SHARE, MOST_SHARE = 0.005, 0.02
+"""Handles and holes for each point above which the surface is doubted, and refused: noise makes both by the hundred."""
+
+SOME = 10
+"""Handles and holes that a shape of few points may have."""
+
+
+@dataclass(frozen=True, eq=False)
+class Reconstructed:
+    """A manifold triangle mesh whose vertices are points of a cloud.
+
+    Attributes
+    ----------
+    points : (k, 3) float64, the points on the surface, in the cloud's order and unit.
+    triangles : (m, 3) int64, rows of `points`; each component is oriented outward.
+    point_rows : (k,) int64, the cloud's row of each of `points`.
+    left_out : (l,) int64, rows of the cloud that are not on the surface; repeats of points on it do not count.
+    repeated : number of points that repeat another's position.
+    """
+
+    points: Floats
+    triangles: Rows
+    point_rows: Rows
+    left_out: Rows
+    repeated: int
+
+
+def greedy_triangles(points: Floats, gap: float) -> Rows:
+    """Choose triangles among distinct normalised points (n, 3): own engine.
+
+    The result is an oriented manifold, (m, 3) int64.
+    """
+    distance = spacing(points)
+    space = tetrahedra(points, gap * distance)
+    lower = np.arange(len(space.cells))[:, None] < space.beyond
+    seeds = np.flatnonzero(lower.ravel() & (space.radii <= SPARSEST * np.median(distance)))
+    seeds = seeds[np.argsort(space.radii[seeds], kind="stable")]
+    triangles = np.empty((np.count_nonzero(np.isfinite(space.radii)) // 2, 3), np.int64)
+    state = np.zeros(len(points), np.int8)
+    count = grow(seeds, space.points, space.cells, space.beyond, space.radii, state, triangles)
+    return triangles[:count].copy()
+
+
+ENGINES: dict[str, Callable[[Floats, float], Rows]] = {"greedy": greedy_triangles, "cgal": cgal_triangles}
+"""From distinct normalised points and a gap to oriented manifold triangles."""
+
+
+def reconstruct(
+    points: ArrayLike,
+    normals: ArrayLike | None = None,
+    *,
+    gap: float = GAP,
+    small_hole: int = SMALL_HOLE,
+    engine: str = "greedy",
+    name: str = "points",
+) -> Reconstructed:
+    """Join points to a surface through them.
+
+    Triangles are chosen among the facets of the Delaunay tetrahedralisation, the most plausible first: those with
+    small empty spheres that continue the surface smoothly. The result is an oriented manifold by construction; where
+    nothing continues it, it has a boundary. Points that fit nowhere (noise, outliers) are left out.
+
+    Parameters
+    ----------
+    points : (n, 3)
+        Positions, in any unit, order and place; repeats count once.
+    normals : (n, 3), optional
+        Decide which side is outside; zero rows where unknown.
+    gap : float
+        Voids wider than so many spacings are holes; infinity leaves the decision to the angles, as the paper does.
+    small_hole : int
+        Holes of at most so many edges are closed afterwards.
+    engine : str
+        ``greedy``, or ``cgal`` for that library's implementation (an extra; it knows no `gap`).
+    name : str
+        What messages call the cloud.
+
+    Raises
+    ------
+    InputError
+        Too few points, or no clean surface through them.
+
+    References
+    ----------
+    Cohen-Steiner and Da, A greedy Delaunay-based surface reconstruction algorithm, The Visual Computer 20, 2004.
+    """
+    positions = np.array(points, np.float64, order="C").reshape(-1, 3)
+    first = distinct(positions)
+    if len(first) < 4:
+        raise InputError(f"{name}: has {len(first)} distinct points; a surface needs at least 4")
+    inside = Frame.of(positions[first]).inside(positions[first])
+    triangles = ENGINES[engine](inside, gap)
+    _check(triangles, len(first), name)
+    used, corners = np.unique(first[triangles], return_inverse=True)
+    triangles = _closed(positions[used], corners.reshape(-1, 3).astype(np.int64), small_hole)
+    _doubt(triangles, len(used), name)
+    known = None if normals is None else np.asarray(normals, np.float64).reshape(-1, 3)[used]
+    found = Reconstructed(
+        points=positions[used],
+        triangles=oriented_outward(positions[used], triangles, known),
+        point_rows=used,
+        left_out=np.setdiff1d(first, used),
+        repeated=len(positions) - len(first),
+    )
+    _report(found, name)
+    return found
+
+
+def distinct(points: Floats) -> Rows:
+    """The first row of each position, sorted by coordinates: the same order however the cloud is."""
+    places = points + 0.0  # -0 and 0 are one place
+    order = np.lexsort(places.T[::-1])
+    ordered = places[order]
+    new = np.concatenate([[True], (ordered[1:] != ordered[:-1]).any(axis=1)])
+    first: Rows = order[new]
+    return first
+
+
+def _check(triangles: Rows, points: int, name: str) -> None:
+    """Refuse what is no surface of these points."""
+    used = len(np.unique(triangles))
+    if used < LEAST_SHARE * points:
+        raise InputError(
+            f"{name}: only {used:,} of {points:,} points lie on a surface; the sampling is too sparse for the shape, "
+            "or an axis is in another unit: give denser points, or check the scale"
+        )
+
+
+def _closed(points: Floats, triangles: Rows, small_hole: int) -> Rows:
+    """Close small holes without new points."""
+    filled = fill_holes(points, triangles, small_hole)
+    return filled.triangles[(filled.triangles < len(points)).all(axis=1)]
+
+
+def _doubt(triangles: Rows, points: int, name: str) -> None:
+    """Warn of a surface with many handles and holes, and refuse one that consists of them."""
+    topology = Topology.from_triangles(triangles, points)
+    euler = points - topology.edge_count + topology.face_count
+    _, components = components_of(triangles, points)
+    tangles = 2 * components - euler
+    text = (
+        f"{name}: the surface through the points has {tangles:,} handles and holes; the sampling is noisy or too "
+        "sparse for the shape, or an axis is in another unit: give denser points, or check the scale"
+    )
+    if tangles > 2 * SOME + MOST_SHARE * points:
+        raise InputError(text)
+    if tangles > SOME + WARN_SHARE * points:
+        logger.warning("%s", text)
+
+
+def _report(found: Reconstructed, name: str) -> None:
+    if found.repeated:
+        logger.info("%s: %d points repeat another's position", name, found.repeated)
+    if len(found.left_out):
+        logger.warning("%s: %d points fit no surface and are left out", name, len(found.left_out))
