@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from shapes.parameters import size
-from shapes.zoo import ZOO, mesh_of, scattered
+from shapes.parameters import CASES, inside, size
+from shapes.zoo import mesh_of, scattered
 from subdfit.closest.curves import SurfaceCurves
 from subdfit.closest.projection import Projector
-from subdfit.errors import InputError
 from subdfit.initial import decimate
 from subdfit.io import read
 from subdfit.limit import LimitSurface
@@ -19,38 +18,28 @@ from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.mesh.repair import mend
 from subdfit.target.frame import Frame
 
+BOTH = [("loop", "icosahedron"), ("catmull-clark", "extruded")]
 
-def _surface(name: str) -> LimitSurface:
+
+def _surface(name: str, scheme: str = "loop") -> LimitSurface:
     mesh = mesh_of(name)
-    return LimitSurface(ControlMesh(mesh.topology, mesh.points / size(mesh)), "loop")
+    return LimitSurface(ControlMesh(mesh.topology, mesh.points / size(mesh)), scheme)
 
 
-def _loop_shapes() -> list[str]:
-    accepted = []
-    for name in ZOO:
-        try:
-            _surface(name)
-        except InputError:
-            continue
-        accepted.append(name)
-    return accepted
-
-
-@pytest.mark.parametrize("name", _loop_shapes())
-def test_certain_footpoints_are_as_near_as_brute_force(name: str) -> None:
-    surface = _surface(name)
+@pytest.mark.parametrize(("scheme", "name"), CASES)
+def test_certain_footpoints_are_as_near_as_brute_force(scheme: str, name: str) -> None:
+    surface = _surface(name, scheme)
     rng = np.random.default_rng(7)
     queries = rng.uniform(-1, 1, (200, 3)) + surface.control_mesh.points.mean(axis=0)
     found = Projector(surface).certain(queries)
-    fine = lattice(surface.domain, 24)
-    vertices = surface.evaluate(fine.face, fine.uv).position
-    brute = np.linalg.norm(queries[:, None] - vertices[None], axis=2).min(axis=1)
+    fine = lattice(surface.domain, 24 if scheme == "loop" else 16)
+    brute, _ = cKDTree(surface.evaluate(fine.face, fine.uv).position).query(queries)
     assert np.all(found.distance <= brute + 1e-6)
 
 
-@pytest.mark.parametrize("name", ["icosahedron", "octahedron"])
-def test_distance_is_that_of_the_named_footpoint(name: str) -> None:
-    surface = _surface(name)
+@pytest.mark.parametrize(("scheme", "name"), BOTH)
+def test_distance_is_that_of_the_named_footpoint(scheme: str, name: str) -> None:
+    surface = _surface(name, scheme)
     queries = np.random.default_rng(3).normal(size=(500, 3))
     found = Projector(surface).nearest(queries)
     position = surface.evaluate(found.face, found.uv).position
@@ -58,33 +47,33 @@ def test_distance_is_that_of_the_named_footpoint(name: str) -> None:
     assert found.converged.all()
 
 
-def test_points_on_the_surface_find_themselves() -> None:
-    surface = _surface("icosahedron")
-    rng = np.random.default_rng(5)
-    face = rng.integers(0, surface.domain.face_count, 1000)
-    uv = rng.dirichlet([1, 1, 1], 1000)[:, 1:]
+@pytest.mark.parametrize(("scheme", "name"), BOTH)
+def test_points_on_the_surface_find_themselves(scheme: str, name: str) -> None:
+    surface = _surface(name, scheme)
+    face, uv = inside(surface.domain, per_cell=30, margin=0.0)
     points = surface.evaluate(face, uv).position
     assert Projector(surface).nearest(points).distance.max() < 1e-7
 
 
 @pytest.mark.parametrize("second", [False, True])
-def test_no_footpoint_ends_farther_than_it_began(second: bool) -> None:
-    mesh = scattered(mesh_of("icosahedron"), 3)
-    surface = LimitSurface(mesh, "loop")
-    rng = np.random.default_rng(11)
-    queries = rng.normal(size=(400, 3))
-    face = rng.integers(0, surface.domain.face_count, 400).astype(np.int32)
-    uv = rng.dirichlet([1, 1, 1], 400)[:, 1:].copy()
+@pytest.mark.parametrize(("scheme", "name"), BOTH)
+def test_no_footpoint_ends_farther_than_it_began(scheme: str, name: str, second: bool) -> None:
+    mesh = scattered(mesh_of(name), 3)
+    surface = LimitSurface(mesh, scheme)
+    face, uv = inside(surface.domain, per_cell=20, margin=0.0)
+    face = face.astype(np.int32)
+    queries = np.random.default_rng(11).normal(size=(len(face), 3))
     before = np.linalg.norm(surface.evaluate(face, uv).position - queries, axis=1)
     after = Projector(surface, second_order=second).refine(queries, face, uv)
     assert np.all(after.distance <= before + 1e-15)
-    inside = after.uv.min(axis=1) >= 0
-    assert inside.all()
-    assert np.all(after.uv.sum(axis=1) <= 1 + 1e-12)
+    assert after.uv.min() >= 0
+    reach = after.uv.max(axis=1) if scheme == "catmull-clark" else after.uv.sum(axis=1)
+    assert np.all(reach <= 1 + 1e-12)
 
 
-def test_the_gap_is_normal_to_a_smooth_closed_surface() -> None:
-    surface = _surface("icosahedron")
+@pytest.mark.parametrize(("scheme", "name"), BOTH)
+def test_the_gap_is_normal_to_a_smooth_closed_surface(scheme: str, name: str) -> None:
+    surface = _surface(name, scheme)
     queries = 1.5 * np.random.default_rng(2).normal(size=(300, 3))
     found = Projector(surface).nearest(queries)
     value = surface.evaluate(found.face, found.uv, 1)
@@ -108,12 +97,17 @@ def test_result_does_not_depend_on_threads(monkeypatch: pytest.MonkeyPatch) -> N
     assert np.array_equal(results[0].uv, results[1].uv)
 
 
-@pytest.mark.parametrize("inner", [False, True])
-def test_curve_footpoints_match_a_dense_sampling(inner: bool) -> None:
-    name = "annulus" if not inner else "crease ring"
-    if name not in ZOO:
-        name = next(n for n in ZOO if len(SurfaceCurves(_surface(n), inner)) > 3)
-    surface = _surface(name)
+@pytest.mark.parametrize(
+    ("scheme", "name", "inner"),
+    [
+        ("loop", "annulus", False),
+        ("loop", "crease ring", True),
+        ("catmull-clark", "quad disc", False),
+        ("catmull-clark", "prism crease", True),
+    ],
+)
+def test_curve_footpoints_match_a_dense_sampling(scheme: str, name: str, inner: bool) -> None:
+    surface = _surface(name, scheme)
     curves = SurfaceCurves(surface, inner)
     side = np.repeat(np.arange(len(curves)), 401)
     t = np.tile(np.linspace(0, 1, 401), len(curves))

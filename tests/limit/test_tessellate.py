@@ -3,41 +3,60 @@
 import numpy as np
 import pytest
 
-from shapes.parameters import size, surface_of
-from shapes.zoo import ZOO
+from shapes.parameters import CASES, size, surface_of
 from subdfit.errors import InputError
-from subdfit.limit.tessellate import lattice
+from subdfit.limit.tessellate import cut, grid_nodes, lattice
 from subdfit.mesh.topology import Topology
+from subdfit.schemes.domain import QUAD, TRIANGLE
+
+FOLDED = ("rhombic 2", "quad fan 2", "quad dart 2")
+"""Round an inner vertex of two faces both cut off the same triangle: no mesh, though it covers the surface."""
 
 
 @pytest.mark.parametrize("segments", [1, 2, 5])
-@pytest.mark.parametrize("name", ZOO)
-def test_lattice_has_the_topology_of_the_control_mesh(name, segments):
-    surface = surface_of("loop", name)
-    t, grid = surface.topology, lattice(surface.domain, segments)
-    assert len(grid.triangles) == segments**2 * t.face_count
+@pytest.mark.parametrize(("scheme", "name"), [case for case in CASES if case[1] not in FOLDED])
+def test_lattice_has_the_topology_of_the_cells(scheme, name, segments):
+    surface = surface_of(scheme, name)
+    domain, grid = surface.domain, lattice(surface.domain, segments)
+    quads = domain.shape == QUAD
+    assert len(grid.triangles) == segments**2 * (np.count_nonzero(~quads) + 2 * np.count_nonzero(quads))
     fine = Topology.from_triangles(grid.triangles, len(grid.face))
+    sides, ends = domain.present.sum(), (domain.present & (domain.neighbour < 0)).sum()
+    edges = (sides + ends) // 2
+    corners = len(np.unique(domain.points[domain.present]))
+    assert fine.boundary_edges.sum() == segments * ends
+    n = segments - 1
+    inner = n * (n - 1) // 2 * np.count_nonzero(~quads) + n * n * np.count_nonzero(quads)
+    assert len(grid.face) == corners + n * edges + inner
+    t = surface.topology
     euler = [x.vertex_count - x.edge_count + x.face_count for x in (t, fine)]
-    assert euler[0] == euler[1]
-    assert fine.boundary_edges.sum() == segments * t.boundary_edges.sum()
-    inner = (segments - 1) * (segments - 2) // 2
-    assert len(grid.face) == t.vertex_count + (segments - 1) * t.edge_count + inner * t.face_count
+    assert euler[0] == euler[1] == corners - edges + domain.face_count
 
 
-@pytest.mark.parametrize("name", ["crowded", "disc", "tagged sphere 0"])
-def test_lattice_triangles_lie_in_their_cell(name):
+@pytest.mark.parametrize(("scheme", "name"), CASES)
+def test_lattice_triangles_lie_in_their_cell(scheme, name):
     """Every triangle's corners are where its own cell puts them, though a neighbour may have lent the vertex."""
-    segments = 4
-    surface = surface_of("loop", name)
-    grid = lattice(surface.domain, segments)
+    segments = 3
+    surface = surface_of(scheme, name)
+    domain, grid = surface.domain, lattice(surface.domain, segments)
     position = surface.evaluate(grid.face, grid.uv).position
-    cell = np.arange(len(grid.triangles)) // segments**2
-    steps = np.array([(i, j) for j in range(segments + 1) for i in range(segments + 1 - j)]) / segments
-    face = np.repeat(np.arange(surface.domain.face_count), len(steps))
-    own = surface.evaluate(face, np.tile(steps, (surface.domain.face_count, 1))).position
-    own = own.reshape(-1, len(steps), 3)
-    gap = np.linalg.norm(position[grid.triangles][:, :, None] - own[cell][:, None], axis=3).min(axis=2)
-    assert gap.max() < 1e-13 * size(surface.control_mesh)
+    for shape in np.unique(domain.shape):
+        cells = np.flatnonzero(domain.shape == shape)
+        nodes = np.array(grid_nodes(shape, segments)) / segments
+        own = surface.evaluate(np.repeat(cells, len(nodes)), np.tile(nodes, (len(cells), 1))).position
+        own = own.reshape(len(cells), len(nodes), 3)[:, cut(shape, segments)]
+        count = len(cut(shape, segments))
+        found = position[grid.triangles[grid.begin[cells][:, None] + np.arange(count)]]
+        assert np.abs(own - found).max() < 1e-13 * size(surface.control_mesh)
+
+
+@pytest.mark.parametrize(("shape", "area"), [(TRIANGLE, 1 / 2), (QUAD, 1.0)])
+def test_triangles_keep_the_orientation_of_their_cell_and_fill_it(shape, area):
+    corners = (np.array(grid_nodes(shape, 3)) / 3)[cut(shape, 3)]
+    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    turned = (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2
+    assert (turned > 0).all()
+    assert turned.sum() == pytest.approx(area)
 
 
 def test_one_segment_is_the_control_mesh():

@@ -10,12 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from subdfit.errors import InputError
 from subdfit.limit import _kernels as kernels
+from subdfit.limit.curvature import PrincipalCurvature, curvature_of_derivatives, undefined, unit
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.mesh.topology import Topology
 from subdfit.parallel import map_chunks
 from subdfit.schemes import Scheme, scheme_named
-from subdfit.schemes.domain import Domain
-from subdfit.schemes.patch_table import PatchTable
+from subdfit.schemes.domain import CORNERS, Domain
+from subdfit.schemes.patch_table import LEVELS, PatchTable
 
 Floats = NDArray[np.float64]
 
@@ -214,13 +215,56 @@ class LimitSurface:
         """Unit normals of the tangents that `evaluate` gives, (k, 3); zero where these are parallel."""
         first = self.evaluate(face, uv, 1).first
         assert first is not None
-        normal = np.cross(first[:, 0], first[:, 1])
-        length = np.linalg.norm(normal, axis=1, keepdims=True)
-        return np.asarray(np.divide(normal, length, out=np.zeros_like(normal), where=length > 0))
+        return unit(np.cross(first[:, 0], first[:, 1]))
+
+    def curvatures(self, face: ArrayLike, uv: ArrayLike) -> PrincipalCurvature:
+        """Principal curvatures and directions, and unit normals.
+
+        Parameters
+        ----------
+        face, uv
+            As in `evaluate`.
+
+        Returns
+        -------
+        PrincipalCurvature
+            ``minimum`` and ``maximum`` (k,), positive where the surface bends away from its normal; their directions
+            and the normal, (k, 3) unit vectors.
+
+            All but the normal is nan at irregular corners themselves and where tangents are parallel. Towards such a
+            corner curvatures change by mu / lambda^2 with every halving of the distance, lambda the eigenvalue of the
+            tangents there and mu the largest that bends the surface: round inner vertices Catmull-Clark's diverge from
+            five faces on and tend to zero at three, Loop's diverge from seven on, and like a logarithm at three.
+
+        Raises
+        ------
+        InputError
+            As `evaluate`.
+        """
+        cell, parameter = self._checked(face, uv)
+        value = self.evaluate(cell, parameter, 2)
+        assert value.first is not None
+        assert value.second is not None
+        found = curvature_of_derivatives(value.first, value.second)
+        return undefined(found, self._in_irregular_corner(cell, parameter))
 
     def vertex_limits(self) -> Floats:
         """Limit points of the control vertices, (n, 3)."""
         return np.asarray(self.scheme.limit_rows(self.topology) @ self.control_mesh.points)
+
+    def _in_irregular_corner(self, cell: NDArray[np.int32], uv: Floats) -> NDArray[np.bool_]:
+        """Whether each parameter is an irregular corner's as `evaluate` sees it, (k,)."""
+        corners = CORNERS[self.domain.shape[cell]]
+        reach = np.where(self.domain.present[cell], np.abs(corners - uv[:, None]).max(axis=2), np.inf)
+        row, corner = np.nonzero(reach < 2.0**-LEVELS)
+        t = self.compiled.table
+        patch = t.cell_node[cell[row]]
+        while (cut := patch < 0).any():
+            # The part of a cell at its corner has the corner as its own.
+            patch = np.where(cut, t.node_children[np.where(cut, ~patch, 0), corner], patch)
+        found = np.zeros(len(cell), np.bool_)
+        found[row] = (t.type_levels[t.patch_type[patch]] > 0) & (t.patch_corner[patch] == corner)
+        return found
 
     def _checked(self, face: ArrayLike, uv: ArrayLike) -> tuple[NDArray[np.int32], Floats]:
         cell = np.ascontiguousarray(np.atleast_1d(face), np.int32)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.errors import InputError
+from subdfit.limit.curvature import PrincipalCurvature, principal_curvature, unit
 from subdfit.parallel import map_chunks
 from subdfit.target._curvature_kernels import ball_measures
 from subdfit.target.features import Edges, mesh_edges
@@ -23,36 +24,6 @@ _CHUNK = 1024
 _SPACING = 4.0
 _LEAST, _MOST = 0.015, 0.08
 """The default radius: four times the median edge, but within these shares of the diagonal."""
-
-
-@dataclass(frozen=True)
-class PrincipalCurvature:
-    """Principal curvatures at k places of a surface.
-
-    Attributes
-    ----------
-    minimum, maximum : (k,) float64, one over the unit of the points; signed, positive where the surface
-        bends away from its normal (a ball with outward normals), and ``minimum <= maximum``.
-    minimum_direction, maximum_direction : (k, 3) float64, unit tangent vectors; their sign means nothing.
-    normal : (k, 3) float64, unit vectors, to which the directions are orthogonal.
-    """
-
-    minimum: Floats
-    maximum: Floats
-    minimum_direction: Floats
-    maximum_direction: Floats
-    normal: Floats
-
-    def isotropic(self, share: float = 0.1, least: float = 0.0) -> NDArray[np.bool_]:
-        """Tell where the directions carry no information: planes and spheres, (k,) bool.
-
-        Parameters
-        ----------
-        share : the two curvatures differ by less than this share of the larger, in absolute value.
-        least : or they differ by less than this curvature.
-        """
-        size = np.maximum(np.abs(self.minimum), np.abs(self.maximum))
-        return np.asarray(self.maximum - self.minimum <= np.maximum(share * size, least))
 
 
 @dataclass(frozen=True)
@@ -200,26 +171,9 @@ def _shape_operators(measures: Floats) -> tuple[Floats, Floats]:
     The normal cycle's tensor T has the principal values exchanged: in the tangent plane the shape operator is
     ``tr(T) - T``.
     """
-    normals = _unit(measures[:, 1:4])
+    normals = unit(measures[:, 1:4])
     area = measures[:, 0]
     T = measures[:, [[4, 5, 6], [5, 7, 8], [6, 8, 9]]] / np.where(area > 0.0, area, 1.0)[:, None, None]
     P = np.eye(3) - normals[:, :, None] * normals[:, None, :]
     T = P @ T @ P
     return np.trace(T, axis1=1, axis2=2)[:, None, None] * P - T, normals
-
-
-def principal_curvature(tensors: Floats, normals: Floats) -> PrincipalCurvature:
-    """Principal values and directions of shape operators (k, 3, 3) in the planes across normals (k, 3)."""
-    normals = _unit(normals)
-    e1 = _unit(np.cross(normals, np.eye(3)[np.argmin(np.abs(normals), axis=1)]))
-    e2 = np.cross(normals, e1)
-    a, b, c = (np.einsum("ki,kij,kj->k", s, tensors, t) for s, t in ((e1, e1), (e1, e2), (e2, e2)))
-    mean, gap = (a + c) / 2, np.hypot((a - c) / 2, b)
-    turn = 0.5 * np.arctan2(2 * b, a - c)[:, None]
-    maximum_direction = np.cos(turn) * e1 + np.sin(turn) * e2
-    return PrincipalCurvature(mean - gap, mean + gap, np.cross(normals, maximum_direction), maximum_direction, normals)
-
-
-def _unit(vectors: Floats) -> Floats:
-    length = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.asarray(vectors / np.where(length > 0.0, length, 1.0))

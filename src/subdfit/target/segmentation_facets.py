@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from subdfit.target.curvature import ball_curvature, principal_curvature
+from subdfit.limit.curvature import principal_curvature
+from subdfit.target.curvature import ball_curvature
 from subdfit.target.features import Edges
 
 Floats = NDArray[np.float64]
