@@ -22,6 +22,7 @@ from subdfit.initial.start import start_mesh
 from subdfit.limit.surface import LimitSurface
 from subdfit.measure import Measurement, measure
 from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.schemes import scheme_named
 from subdfit.target.frame import Frame
 from subdfit.target.target import Target
 
@@ -143,7 +144,8 @@ def fit_target(
     clock = time.perf_counter()
     inside = target.normalised(run.frame)
     data = FitData.of(inside, settings.sample_spacing)
-    mesh = start_mesh(inside, settings.control_vertices, settings.tolerance.max, settings.max_control_vertices)
+    faces = scheme_named(settings.scheme).faces
+    mesh = start_mesh(inside, settings.control_vertices, settings.tolerance.max, settings.max_control_vertices, faces)
     run.timed("start", clock)
     clock = time.perf_counter()
     state = FitState.start(data, LimitSurface(mesh, settings.scheme))

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from subdfit.closest.projection import Projector, corner_weights
 from subdfit.fit.adapt import refined
 from subdfit.fit.faults import Faults, all_sides
+from subdfit.fit.places import Places
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FOOTPOINT_TOLERANCE, FitState
 from subdfit.fit.stop import within
@@ -59,31 +60,29 @@ class Geometric:
         if self.settings.boundary_step:
             inside = np.flatnonzero(state.data.surface_rows)
         pulls = influence(surface, state.face[inside], state.uv[inside])
-        moved, weight = np.asarray(pulls.T @ error[inside], np.float64), np.asarray(pulls.sum(axis=0), np.float64)
-        displacement: Floats = np.divide(moved, weight[:, None], out=np.zeros_like(moved), where=weight[:, None] > 1e-9)
+        displacement = weighted_means(pulls, error[inside])
         if self.settings.boundary_step or self.settings.fixed_boundary:
             self.curve_displacements(state, displacement)
         return displacement
 
     def curve_displacements(self, state: FitState, displacement: Floats) -> None:
         """Our boundary step: vertices on curves move by the errors of curve points alone, by their weights along it."""
+        shares = Places(state.surface).corner_shares
         for found, curves, rows in zip(
             (state.boundary, state.crease), state.curves, (state.data.boundary, state.data.crease), strict=True
         ):
             if found is None or curves is None:
                 continue
-            ends = curves.ends[found.side]
-            error = state.data.points[rows] - found.position
-            moved, weight = np.zeros_like(displacement), np.zeros(len(displacement))
-            for end, share in ((0, 1 - found.t), (1, found.t)):
-                np.add.at(moved, ends[:, end], share[:, None] * error)
-                np.add.at(weight, ends[:, end], share)
-            on_curve = np.unique(curves.ends)
-            displacement[on_curve] = 0.0
-            fixed = self.settings.fixed_boundary and found is state.boundary
-            hit = on_curve[weight[on_curve] > 1e-9]
-            if not fixed:
-                displacement[hit] = moved[hit] / weight[hit, None]
+            pulls = sp.csr_array(
+                (np.column_stack([1 - found.t, found.t]).ravel(), curves.ends[found.side].ravel(), 2 * np.arange(len(rows) + 1)),
+                shape=(len(rows), shares.shape[0]),
+            ) @ shares
+            on_curve = np.zeros(shares.shape[0])
+            on_curve[curves.ends] = 1.0
+            along = (shares.T @ on_curve) > 0
+            displacement[along] = 0.0
+            if not (self.settings.fixed_boundary and found is state.boundary):
+                displacement[along] = weighted_means(pulls, state.data.points[rows] - found.position)[along]
 
     def recompute_footpoints(self, state: FitState, points: Floats) -> FitState:
         """Newton's method from the footpoints before, by the tangent-plane linearisation; settled ones stay frozen.
@@ -145,13 +144,18 @@ class Geometric:
 def influence(surface: LimitSurface, face: NDArray[np.int32], uv: Floats) -> sp.csr_array:
     """Weights u by which points pull at control vertices, (k, n) sparse: barycentric coordinates (equation 3).
 
-    In quads they are bilinear. Where corners of cells are no control vertices there are no such coordinates: the basis
-    values take their place, as in progressive least-squares approximation (LSPIA, Deng and Lin 2014).
+    In quads they are bilinear. Where cells are parts of faces, what falls to the middle of a side or of a face goes to
+    its corners in equal shares.
     """
     domain = surface.domain
-    if np.any(domain.vertex[domain.present] < 0):
-        return surface.weights(face, uv)
+    shares = Places(surface).corner_shares
     corner = domain.present[face]
     offsets = np.concatenate([[0], np.cumsum(domain.shape[face], dtype=np.int64)])
-    values, columns = corner_weights(domain.shape[face], uv)[corner], domain.vertex[face][corner]
-    return sp.csr_array((values, columns, offsets), shape=(len(face), surface.topology.vertex_count))
+    values, columns = corner_weights(domain.shape[face], uv)[corner], domain.points[face][corner]
+    return sp.csr_array(sp.csr_array((values, columns, offsets), shape=(len(face), shares.shape[0])) @ shares)
+
+
+def weighted_means(pulls: sp.csr_array, error: Floats) -> Floats:
+    """Mean error vector of each control vertex, (n, 3), by (k, n) weights; zero where these sum to zero."""
+    moved, weight = np.asarray(pulls.T @ error, np.float64), np.asarray(pulls.sum(axis=0), np.float64)
+    return np.divide(moved, weight[:, None], out=np.zeros_like(moved), where=weight[:, None] > 1e-9)

@@ -4,10 +4,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from subdfit.limit.surface import LimitSurface
-from subdfit.schemes.domain import CORNERS, TRIANGLE
+from subdfit.schemes.domain import CORNERS, QUAD, TRIANGLE
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -75,6 +76,31 @@ class Places:
         inside = np.where((shape == TRIANGLE)[:, None], 1 / 3, 0.5)
         opposite = CORNERS[shape, (corner + 2) % 4]
         return self._at(cell, np.where(self.whole[cell][:, None], inside, opposite))
+
+    @cached_property
+    def corner_shares(self) -> sp.csr_array:
+        """What each control vertex counts at the points at cells' corners, (points, n): its rows sum to one.
+
+        A vertex counts for itself, both ends of a side in its middle, all corners of a face in its.
+        """
+        domain, t = self.surface.domain, self.surface.topology
+        vertices = np.arange(t.vertex_count)
+        part = np.flatnonzero(~self.whole)
+        half_edge = domain.half_edge[part].max(axis=1)
+        corner = domain.half_edge[part].argmax(axis=1)
+        middle, centre = np.empty(t.edge_count, np.int64), np.empty(t.face_count, np.int64)
+        middle[t.edge[half_edge]] = domain.points[part, (corner + 1) % QUAD]
+        centre[t.face[half_edge]] = domain.points[part, (corner + 2) % QUAD]
+        sizes = np.diff(t.face_offsets)
+        rows: list[NDArray[np.integer]] = [vertices]
+        columns: list[NDArray[np.integer]] = [vertices]
+        values = [np.ones(len(vertices))]
+        if len(part):
+            rows += [np.repeat(middle, 2), centre[t.face]]
+            columns += [t.edge_vertices.ravel(), t.face_vertices]
+            values += [np.full(2 * t.edge_count, 0.5), 1 / sizes[t.face]]
+        shape = (max(t.vertex_count, int(domain.points.max()) + 1), t.vertex_count)
+        return sp.csr_array((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
 
     def _at(self, cell: Rows, uv: Floats) -> Floats:
         return self.surface.evaluate(cell, uv).position

@@ -7,7 +7,9 @@ from numpy.typing import NDArray
 
 from subdfit.errors import InputError
 from subdfit.initial.decimate import Decimated, decimate
+from subdfit.initial.pairing import pair_triangles
 from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.schemes.scheme import Faces
 from subdfit.target.bvh import TriangleTree
 from subdfit.target.target import Target
 
@@ -16,12 +18,20 @@ logger = logging.getLogger(__name__)
 LEAST_SHARE, MOST_SHARE = 0.01, 0.05
 """The first control mesh has 1 to 5 % of the points (Nishiyama et al. 2008, section 3)."""
 COARSEST = 10.0
+FAIR_QUAD = 0.3
+"""Least quality of a quad where a scheme takes triangles too."""
 LARGEST_SHARE = 0.25
 """Share of the points at which doubling ends."""
 
 
-def start_mesh(target: Target, vertices: int | None, max_error: float | None, budget: int | None = None) -> ControlMesh:
-    """Decimate the target.
+def start_mesh(
+    target: Target,
+    vertices: int | None,
+    max_error: float | None,
+    budget: int | None = None,
+    faces: Faces = "triangles",
+) -> ControlMesh:
+    """Decimate the target; join the triangles in pairs where the scheme takes quads.
 
     Parameters
     ----------
@@ -35,6 +45,8 @@ def start_mesh(target: Target, vertices: int | None, max_error: float | None, bu
         The tolerance as a share of the diagonal; None counts as .1 %.
     budget
         Most vertices that are chosen here; None is unbounded.
+    faces
+        What the scheme takes: where it takes triangles as well as quads, poor quads stay triangles.
 
     Raises
     ------
@@ -58,9 +70,12 @@ def start_mesh(target: Target, vertices: int | None, max_error: float | None, bu
             found = decimate(points, triangles, wanted, crease_edges=creases)
     if found.message:
         logger.warning("%s", found.message)
-    return ControlMesh.from_triangles(
+    mesh = ControlMesh.from_triangles(
         found.points, found.triangles, crease_edges=found.crease_edges, corner_vertices=found.corners
     )
+    if faces == "triangles":
+        return mesh
+    return pair_triangles(mesh) if faces == "polygons" else pair_triangles(mesh, FAIR_QUAD, everywhere=False)
 
 
 def _worst(points: NDArray[np.float64], found: Decimated) -> float:

@@ -83,8 +83,9 @@ class Sides:
 def refine_polygons(mesh: ControlMesh, marked: ArrayLike, polygons: bool = True) -> Refined:
     """Halve marked sides, and what else is needed, and cut the faces beside them.
 
-    No vertex is set into half a side of a face that stays whole: such a face is cut to the opposite side first. Faces
-    of five sides or more are cut at all of them.
+    No vertex is set into half a side of a face that stays whole: such a face is cut to the opposite side first. From
+    the middle of every edge inside the mesh a cut begins on one side at least, so that no inner vertex has two faces.
+    Faces of five sides or more are cut at all of them.
 
     Parameters
     ----------
@@ -109,7 +110,7 @@ def refine_polygons(mesh: ControlMesh, marked: ArrayLike, polygons: bool = True)
         face = int(np.argmax(sizes > 4))
         raise InputError(f"face {face} has {sizes[face]} corners; cut it into triangles and quads first")
     groups = list(faces_by_sides(t, flat_corners(mesh)))
-    halves = _balanced(t, groups, chosen)
+    halves = _balanced(t, groups, chosen, polygons)
     halved = np.flatnonzero(halves & ((t.twin < 0) | (np.arange(len(t.twin)) < t.twin)))
     middle = np.full(len(t.twin), -1, np.int64)
     middle[halved] = t.vertex_count + np.arange(len(halved))
@@ -119,22 +120,27 @@ def refine_polygons(mesh: ControlMesh, marked: ArrayLike, polygons: bool = True)
 
 
 def flat_corners(mesh: ControlMesh) -> Flags:
-    """Face corners within a side, (h,): in faces of five and more the flattest, no two in a row, until four stay."""
+    """Face corners within a side, (h,): in faces of five and more the flattest, no two in a row, until four stay.
+
+    No edge is half a side on both sides of it: then one of its faces keeps all of its corners.
+    """
     t = mesh.topology
     sizes = np.diff(t.face_offsets)
     flat = np.zeros(len(t.twin), np.bool_)
     for size in np.unique(sizes[sizes > 4]):
         corner = t.face_offsets[:-1][sizes == size][:, None] + np.arange(size)
-        angle = _angles(mesh.points[t.face_vertices[corner]])
+        angle = corner_angles(mesh.points[t.face_vertices[corner]])
         for _ in range(size - 4):
             rows, best = np.arange(len(angle)), angle.argmax(axis=1)
             flat[corner[rows, best]] |= angle[rows, best] > 0
             for near in (-1, 0, 1):
                 angle[rows, (best + near) % size] = -1.0
-    return flat
+    half = flat | flat[t.following]
+    doubtful = half & (t.twin >= 0) & half[t.twin] & (np.arange(len(half)) < t.twin)
+    return flat & ~np.isin(t.face, t.face[doubtful])
 
 
-def _angles(ring: Floats) -> Floats:
+def corner_angles(ring: Floats) -> Floats:
     """Angles of polygons (m, n, 3) at their corners."""
     ahead, behind = np.roll(ring, -1, axis=1) - ring, np.roll(ring, 1, axis=1) - ring
     area = np.linalg.norm(np.cross(ahead, behind), axis=2)
@@ -152,28 +158,47 @@ def faces_by_sides(t: Topology, flat: Flags) -> Iterator[Sides]:
         yield Sides(faces, first, np.where(flat[following], following, -1))
 
 
-def _balanced(t: Topology, groups: list[Sides], chosen: Flags) -> Flags:
+def _balanced(t: Topology, groups: list[Sides], chosen: Flags, polygons: bool) -> Flags:
     """Both half-edges of all edges to halve."""
     marked, before = chosen.copy(), -1
     while (count := int(np.count_nonzero(marked))) != before:
         before = count
         marked[t.twin[marked & (t.twin >= 0)]] = True
+        loose = _loose(t, groups, marked) if polygons else np.zeros_like(marked)
         for group in groups:
-            marked[group.first[_needed(group, marked)]] = True
+            marked[group.first[_needed(group, marked, loose)]] = True
     return marked
 
 
-def _needed(group: Sides, marked: Flags) -> Flags:
-    """Further sides to halve, (m, k): where half a side is to be halved, the face must be cut at that side."""
+def _loose(t: Topology, groups: list[Sides], marked: Flags) -> Flags:
+    """Half-edges whose middle would join two edges only, no cut beginning there on either side; one of each edge."""
+    uncut, deep = np.zeros(len(marked), np.bool_), np.zeros(len(marked), np.bool_)
+    for group in groups:
+        halved, split = group.halved, group.split(marked)
+        deep[group.first[halved]] = deep[group.second[halved]] = True
+        if group.count == 4:
+            count = split.sum(axis=1)[:, None]
+            uncut[group.first[split & ((count == 1) | ((count == 3) & np.roll(~split, 2, axis=1)))]] = True
+    uncut |= deep
+    both = marked & uncut & (t.twin >= 0) & uncut[t.twin]
+    return both & ~deep & (deep[t.twin] | (np.arange(len(marked)) < t.twin))
+
+
+def _needed(group: Sides, marked: Flags, loose: Flags) -> Flags:
+    """Further sides to halve, (m, k).
+
+    Where half a side is to be halved, the face must be cut at that side; and at a side whose middle is loose.
+    """
     halved, split = group.halved, group.split(marked)
     deep = halved & (marked[group.first] | marked[group.second])
-    count = split.sum(axis=1)
+    count = np.sum(split, axis=1, keepdims=True)
     if group.count == 4:
-        opposite = np.roll(deep, 2, axis=1) & (count == 1)[:, None]
-        wanted = opposite | (deep.any(axis=1) & (count == 3))[:, None]
+        must = deep | (loose[group.first] & ~halved)
+        opposite = np.roll(must, 2, axis=1) & (count == 1)
+        wanted = opposite | (np.any(must, axis=1, keepdims=True) & (count == 3))
     else:
-        touched = deep.any(axis=1) | np.any(split & ~halved, axis=1)
-        wanted = np.broadcast_to((touched & (group.count > 4))[:, None], split.shape)
+        touched = np.any(deep | (split & ~halved), axis=1, keepdims=True) & (group.count > 4)
+        wanted = np.broadcast_to(touched, split.shape)
     return np.asarray(wanted & ~halved)
 
 
