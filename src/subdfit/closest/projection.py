@@ -1,7 +1,7 @@
 """Closest points on a limit surface: found globally by a tree, made exact by Newton's method."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,8 +18,8 @@ from subdfit.target.bvh import TriangleTree
 Floats = NDArray[np.float64]
 
 CHUNK = 4096
-SEGMENTS = 3
-"""Segments a cell side in the tree's triangles."""
+SEGMENTS, SEGMENTS_OF_PARTS = 3, 2
+"""Segments a cell side in the tree's triangles, where cells are whole faces and where they are parts of them."""
 AT_CORNER, NEAR_CORNER = 1e-6, 0.8
 """Footpoints this close to a vertex, of weight 1 at it, and beyond this weight near one with kinks, are tried again."""
 ROUND = 0.1
@@ -219,27 +219,31 @@ class Projector:
 
     def _on_surface(self, triangle: NDArray[np.int32], uv: Floats) -> tuple[NDArray[np.int32], Floats]:
         cell = self._cell_under[triangle]
-        corners = _TRIANGLES[self.surface.domain.shape[cell], triangle - self._grid.begin[cell]]
+        corners = _tree_triangles(self._segments)[self.surface.domain.shape[cell], triangle - self._grid.begin[cell]]
         weights = np.column_stack([1 - uv.sum(axis=1), uv])
         return cell, np.clip(np.einsum("ki,kid->kd", weights, corners), 0, 1)
 
     def _triangle_under(self, face: NDArray[np.int32], uv: Floats) -> NDArray[np.int64]:
         """The tree's triangle that holds each surface point, (k,): rows as `tessellate.cut` counts them."""
-        quad = self.surface.domain.shape[face] == QUAD
-        scaled = uv * SEGMENTS
-        low = np.minimum(scaled.astype(np.int64), SEGMENTS - 1)
-        low[:, 1] = np.where(quad, low[:, 1], np.minimum(low[:, 1], SEGMENTS - 1 - low[:, 0]))
+        quad, segments = self.surface.domain.shape[face] == QUAD, self._segments
+        scaled = uv * segments
+        low = np.minimum(scaled.astype(np.int64), segments - 1)
+        low[:, 1] = np.where(quad, low[:, 1], np.minimum(low[:, 1], segments - 1 - low[:, 0]))
         i, j = low.T
         down = (scaled - low).sum(axis=1) > 1
         missing = np.where(quad, 0, j * (j - 1) // 2)
-        up_row = j * SEGMENTS - missing + i
-        below = np.where(quad, SEGMENTS * SEGMENTS, SEGMENTS * (SEGMENTS + 1) // 2)
-        down_row = below + j * np.where(quad, SEGMENTS, SEGMENTS - 1) - missing + i
+        up_row = j * segments - missing + i
+        below = np.where(quad, segments * segments, segments * (segments + 1) // 2)
+        down_row = below + j * np.where(quad, segments, segments - 1) - missing + i
         return np.asarray(self._grid.begin[face] + np.where(down, down_row, up_row), np.int64)
+
+    @property
+    def _segments(self) -> int:
+        return SEGMENTS_OF_PARTS if self.surface.domain.parts else SEGMENTS
 
     @cached_property
     def _grid(self) -> Lattice:
-        return lattice(self.surface.domain, SEGMENTS)
+        return lattice(self.surface.domain, self._segments)
 
     @cached_property
     def _cell_under(self) -> NDArray[np.int32]:
@@ -264,13 +268,11 @@ def corner_weights(shape: NDArray[np.int8], uv: Floats) -> Floats:
     return np.where((shape == QUAD)[:, None], bilinear, linear)
 
 
-def _tree_triangles() -> Floats:
-    """Parameters of the corners of a cell's triangles in the tree, by shape, (5, 2 SEGMENTS^2, 3, 2)."""
-    table = np.zeros((QUAD + 1, 2 * SEGMENTS**2, 3, 2))
+@cache
+def _tree_triangles(segments: int) -> Floats:
+    """Parameters of the corners of a cell's triangles in the tree, by shape, (5, 2 segments^2, 3, 2)."""
+    table = np.zeros((QUAD + 1, 2 * segments**2, 3, 2))
     for shape in (TRIANGLE, QUAD):
-        rows = cut(shape, SEGMENTS)
-        table[shape, : len(rows)] = np.array(grid_nodes(shape, SEGMENTS))[rows] / SEGMENTS
+        rows = cut(shape, segments)
+        table[shape, : len(rows)] = np.array(grid_nodes(shape, segments))[rows] / segments
     return table
-
-
-_TRIANGLES = _tree_triangles()

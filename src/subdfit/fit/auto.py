@@ -19,15 +19,17 @@ STEPS = 3
 GAIN = 0.9
 """A round ends when a step leaves more than this share of the energy."""
 ENOUGH = 16
-"""Points a cell that take part in the steps while the control mesh still changes; errors are those of all points."""
+"""Points for each triangle of a face that take part in the steps while the control mesh still changes; errors are those
+of all points."""
 SPARSE = 3
-"""Cells with fewer points than this are sampled, for nothing else keeps them near the target."""
+"""Faces with fewer points than this are sampled, for nothing else keeps them near the target."""
 CAP = 0.25
-"""Most faces, as a share, that one adaptation refines for their error."""
+"""Most triangles, as a share, that one adaptation refines for their error; of other faces, of which each needs twice
+the vertices, half as many."""
 MISSING = 0.7
 """Share of the vertices that seem to be missing for mean and rms, which one adaptation adds."""
 FEW = 0.01
-"""When fewer faces than this share are too far off, they are split on all sides and no edge is flipped."""
+"""When fewer faces than this share are too far off, triangles are split on all sides and no edge is flipped."""
 LATE_DAMPING = 1e-2
 """Least damping after a late split, which has few points to hold it."""
 NEARLY = 1.5
@@ -101,7 +103,7 @@ class Auto:
         if few:
             straying = large_enough(state, self._stray_faces(state))
             faces = np.concatenate([faces, np.setdiff1d(straying, faces)])
-        marks = all_sides(state, faces) if few else cutting_sides(state, faces)
+        marks = all_sides(state, faces) if few and self._triangles(state) else cutting_sides(state, faces)
         if tolerance.max is not None and not self.settings.fixed_boundary:
             marks |= curve_sides(state, CURVE_FACTOR * tolerance.max)
         marks = self._within_budget(state, marks, faces)
@@ -113,10 +115,15 @@ class Auto:
         budget = self.settings.max_control_vertices
         return finer if budget is None or finer.surface.topology.vertex_count <= budget else state
 
+    @staticmethod
+    def _triangles(state: FitState) -> bool:
+        return state.surface.scheme.faces == "triangles"
+
     def _sparse(self, state: FitState) -> Samples:
-        """Samples of cells with few data points."""
-        count = np.bincount(state.face, minlength=state.surface.domain.face_count)
-        return inner_samples(state.surface, state.data.target, np.flatnonzero(count < SPARSE))
+        """Samples of faces with few data points."""
+        face = Places(state.surface).face
+        count = np.bincount(face[state.face], minlength=state.surface.topology.face_count)
+        return inner_samples(state.surface, state.data.target, np.flatnonzero(count[face] < SPARSE))
 
     def _strays(self, state: FitState) -> Samples:
         """Samples of the surface that stray by half the tolerance or more."""
@@ -138,7 +145,7 @@ class Auto:
         tolerance, errors = self.settings.tolerance, state.errors
         faults = Faults.of(state)
         worst = faults.maximum
-        cap = max(10, int(CAP * len(worst)))
+        cap = max(10, int((CAP if self._triangles(state) else CAP / 2) * len(worst)))
         bad = np.empty(0, np.int64)
         if tolerance.max is not None:
             bad = np.flatnonzero(worst > tolerance.max)

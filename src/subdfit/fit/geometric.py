@@ -73,10 +73,17 @@ class Geometric:
         ):
             if found is None or curves is None:
                 continue
-            pulls = sp.csr_array(
-                (np.column_stack([1 - found.t, found.t]).ravel(), curves.ends[found.side].ravel(), 2 * np.arange(len(rows) + 1)),
-                shape=(len(rows), shares.shape[0]),
-            ) @ shares
+            pulls = (
+                sp.csr_array(
+                    (
+                        np.column_stack([1 - found.t, found.t]).ravel(),
+                        curves.ends[found.side].ravel(),
+                        2 * np.arange(len(rows) + 1),
+                    ),
+                    shape=(len(rows), shares.shape[0]),
+                )
+                @ shares
+            )
             on_curve = np.zeros(shares.shape[0])
             on_curve[curves.ends] = 1.0
             along = (shares.T @ on_curve) > 0

@@ -21,86 +21,124 @@ class Places:
     surface: LimitSurface
 
     @cached_property
-    def _corner_of(self) -> tuple[Rows, Rows]:
-        """For each half-edge a cell and its corner at the half-edge's origin."""
-        half_edge = self.surface.domain.half_edge
-        cell, corner = np.nonzero(half_edge >= 0)
-        place = np.empty((2, len(cell)), np.int64)
-        place[:, half_edge[cell, corner]] = cell, corner
-        return place[0], place[1]
-
-    @cached_property
-    def whole(self) -> NDArray[np.bool_]:
-        """Whether each cell is a whole face, (cells,)."""
-        domain = self.surface.domain
-        return np.asarray((domain.half_edge >= 0).sum(axis=1) == domain.shape)
-
-    @cached_property
     def face(self) -> Rows:
         """The face of each cell, (cells,)."""
-        return np.asarray(self.surface.topology.face[self.surface.domain.half_edge.max(axis=1)], np.int64)
+        return np.asarray(self.surface.topology.face[self.surface.domain.half_edge], np.int64)
+
+    @cached_property
+    def _before(self) -> Rows:
+        """The half-edge before each in its face, (h,)."""
+        following = self.surface.topology.following
+        before = np.empty(len(following), np.int64)
+        before[following] = np.arange(len(following))
+        return before
 
     @cached_property
     def side(self) -> Rows:
-        """The half-edge of the control mesh on which each cell's side lies, (cells, 4); -1 inside a face."""
-        t, half_edge = self.surface.topology, self.surface.domain.half_edge
-        before = np.empty(len(t.following), np.int64)
-        before[t.following] = np.arange(len(t.following))
-        entering = np.roll(half_edge, -1, axis=1)
-        arrives = np.where(entering >= 0, before[entering], -1)
-        return np.where(half_edge >= 0, half_edge, np.where(self.whole[:, None], -1, arrives))
+        """The half-edge of the control mesh on which each cell's side lies, (cells, 4), if on any."""
+        first = self.surface.domain.half_edge.astype(np.int64)
+        if not self.surface.domain.parts:
+            return np.asarray(first[:, None] + np.arange(QUAD))
+        before = self._before[first]
+        return np.column_stack([first, self.surface.topology.following[first], self._before[before], before])
+
+    @cached_property
+    def _place(self) -> tuple[Rows, Rows]:
+        """For each half-edge a cell and its corner at the half-edge's origin, (h,); -1 where there is none."""
+        domain, count = self.surface.domain, len(self.surface.topology.twin)
+        cell = np.full(count, -1, np.int64)
+        cell[domain.half_edge] = np.arange(domain.face_count)
+        if domain.parts:
+            return cell, np.zeros(count, np.int64)
+        first = self.surface.topology.face_offsets[self.surface.topology.face]
+        return cell[first], np.arange(count) - first
 
     def vertices(self) -> Floats:
         """Points of the surface at the control vertices, (n, 3)."""
-        return self._at(*self._at_vertices)
+        return self.surface.vertex_limits()
 
     def normals(self) -> Floats:
-        """Unit normals of the surface there, (n, 3), each from one cell."""
-        return self.surface.normals(*self._at_vertices)
-
-    @cached_property
-    def _at_vertices(self) -> tuple[Rows, Floats]:
-        cell, corner = (place[self.surface.topology.outgoing] for place in self._corner_of)
-        return cell, CORNERS[self.surface.domain.shape[cell], corner]
+        """Unit normals of the surface there, (n, 3), each from one cell; zero at vertices of no cell."""
+        domain = self.surface.domain
+        named, slot = np.nonzero(domain.vertex >= 0)
+        cell, corner = np.full((2, self.surface.topology.vertex_count), -1)
+        cell[domain.vertex[named, slot]], corner[domain.vertex[named, slot]] = named, slot
+        normal = np.zeros((len(cell), 3))
+        there = cell >= 0
+        normal[there] = self.surface.normals(cell[there], CORNERS[domain.shape[cell], corner][there])
+        return normal
 
     def middles(self, half_edges: Rows) -> Floats:
-        """Points of the surface in the middle of sides, (k, 3)."""
-        cell, corner = (place[half_edges] for place in self._corner_of)
-        share = np.where(self.whole[cell], 0.5, 1.0)
-        return self._at(cell, self.surface.domain.along(cell, corner, share))
+        """Points of the surface in the middle of sides, (k, 3); where no part ends there, between those at the ends."""
+        t, domain = self.surface.topology, self.surface.domain
+        cell, corner = (place[half_edges] for place in self._place)
+        if not domain.parts:
+            return self.surface.evaluate(cell, domain.along(cell, corner, np.full(len(cell), 0.5))).position
+        after = self._place[0][t.following[half_edges]]
+        here = self._free(cell, 1)
+        found = np.where(here, cell, np.where(self._free(after, 3), after, -1))
+        ends = self.vertices()[np.column_stack([t.face_vertices, t.face_vertices[t.following]])[half_edges]]
+        return self._where(found, CORNERS[QUAD, np.where(here, 1, 3)], ends.mean(axis=1))
 
     def centres(self, faces: Rows) -> Floats:
-        """Points of the surface in the middle of faces, (k, 3)."""
-        cell, corner = (place[self.surface.topology.face_offsets[faces]] for place in self._corner_of)
-        shape = self.surface.domain.shape[cell]
-        inside = np.where((shape == TRIANGLE)[:, None], 1 / 3, 0.5)
-        opposite = CORNERS[shape, (corner + 2) % 4]
-        return self._at(cell, np.where(self.whole[cell][:, None], inside, opposite))
+        """Points of the surface in the middle of faces, (k, 3); where no part ends there, between their vertices'."""
+        t, domain = self.surface.topology, self.surface.domain
+        first = np.full(t.face_count, -1, np.int64)
+        first[self.face] = np.arange(domain.face_count)
+        cell = first[faces]
+        if not domain.parts:
+            middle = np.where(domain.shape[cell] == TRIANGLE, 1 / 3, 0.5)
+            return self.surface.evaluate(cell, np.column_stack([middle, middle])).position
+        sums = np.zeros((t.face_count, 3))
+        np.add.at(sums, t.face, self.vertices()[t.face_vertices])
+        between = sums[faces] / np.diff(t.face_offsets)[faces, None]
+        return self._where(np.where(self._free(cell, 2), cell, -1), np.tile(CORNERS[QUAD, 2], (len(cell), 1)), between)
+
+    def _free(self, cell: Rows, slot: int) -> NDArray[np.bool_]:
+        """Whether there is a cell whose corner `slot` is where it lies inside the surface, (k,)."""
+        domain = self.surface.domain
+        reaches = domain.vertex[cell, slot] >= 0
+        if slot == 2:
+            reaches = domain.sharp[cell, 1] | domain.sharp[cell, 2]
+        return np.asarray((cell >= 0) & ~reaches)
+
+    def _where(self, cell: Rows, uv: Floats, otherwise: Floats) -> Floats:
+        """Points of the surface where there are cells."""
+        there = cell >= 0
+        otherwise[there] = self.surface.evaluate(cell[there], uv[there]).position
+        return otherwise
 
     @cached_property
     def corner_shares(self) -> sp.csr_array:
-        """What each control vertex counts at the points at cells' corners, (points, n): its rows sum to one.
+        """What each control vertex counts at the points at cells' corners, (points, n): rows sum to one.
 
         A vertex counts for itself, both ends of a side in its middle, all corners of a face in its.
         """
         domain, t = self.surface.domain, self.surface.topology
-        vertices = np.arange(t.vertex_count)
-        part = np.flatnonzero(~self.whole)
-        half_edge = domain.half_edge[part].max(axis=1)
-        corner = domain.half_edge[part].argmax(axis=1)
-        middle, centre = np.empty(t.edge_count, np.int64), np.empty(t.face_count, np.int64)
-        middle[t.edge[half_edge]] = domain.points[part, (corner + 1) % QUAD]
-        centre[t.face[half_edge]] = domain.points[part, (corner + 2) % QUAD]
-        sizes = np.diff(t.face_offsets)
-        rows: list[NDArray[np.integer]] = [vertices]
-        columns: list[NDArray[np.integer]] = [vertices]
-        values = [np.ones(len(vertices))]
-        if len(part):
-            rows += [np.repeat(middle, 2), centre[t.face]]
-            columns += [t.edge_vertices.ravel(), t.face_vertices]
-            values += [np.full(2 * t.edge_count, 0.5), 1 / sizes[t.face]]
-        shape = (max(t.vertex_count, int(domain.points.max()) + 1), t.vertex_count)
-        return sp.csr_array((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
+        if not domain.parts:
+            return sp.csr_array(sp.eye_array(t.vertex_count))
+        point, half_edge, face = self._unnamed_corners()
+        half, whole = np.flatnonzero(half_edge >= 0), np.flatnonzero(half_edge < 0)
+        ends = np.column_stack([t.face_vertices, t.face_vertices[t.following]])[half_edge[half]]
+        size = np.diff(t.face_offsets)[face[whole]]
+        place = np.arange(size.sum()) - np.repeat(np.cumsum(size) - size - t.face_offsets[face[whole]], size)
+        vertex = np.arange(t.vertex_count)
+        rows = np.concatenate([vertex, np.repeat(point[half], 2), np.repeat(point[whole], size)])
+        columns = np.concatenate([vertex, ends.ravel(), t.face_vertices[place]])
+        values = np.concatenate([np.ones(len(vertex)), np.full(2 * len(half), 0.5), np.repeat(1 / size, size)])
+        shape = (int(domain.points.max()) + 1, t.vertex_count)
+        return sp.csr_array((values, (rows, columns)), shape=shape)
 
-    def _at(self, cell: Rows, uv: Floats) -> Floats:
-        return self.surface.evaluate(cell, uv).position
+    def _unnamed_corners(self) -> tuple[Rows, Rows, Rows]:
+        """Points at cells' corners that are no control vertices': the side in whose middle each lies, or -1, and a face.
+
+        The third corner of a part that reaches to a curve lies on that.
+        """
+        domain, side = self.surface.domain, self.side
+        none = np.full(domain.face_count, -1)
+        on_curve = np.where(domain.sharp[:, 1], side[:, 1], np.where(domain.sharp[:, 2], side[:, 2], none))
+        half_edge = np.column_stack([none, side[:, 0], on_curve, side[:, 3]])
+        cell, slot = np.nonzero(domain.vertex < 0)
+        point, first = np.unique(domain.points[cell, slot], return_index=True)
+        cell, slot = cell[first], slot[first]
+        return point, half_edge[cell, slot], self.face[cell]

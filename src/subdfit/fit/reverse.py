@@ -80,7 +80,7 @@ class Samples:
 
 def strays(surface: LimitSurface, target: Target, bound: float) -> Samples:
     """Those of the certificate's samples that lie off the target by more than `bound` and the faceting there."""
-    grid = lattice(surface.domain, reverse_segments(surface.domain.face_count))
+    grid = lattice(surface.domain, reverse_segments(surface.domain))
     return Samples.of(surface, target, grid.face, grid.uv, bound)
 
 

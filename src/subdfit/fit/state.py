@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from subdfit.closest.curves import CurveProjection, SurfaceCurves
 from subdfit.closest.projection import Projection, Projector
 from subdfit.fit.data import FitData
+from subdfit.fit.places import Places
 from subdfit.limit._kernels import order_by_cell
 from subdfit.limit.surface import LimitSurface
 
@@ -86,14 +87,18 @@ class FitState:
         return FitState.follow(self.data, self.surface.with_points(control_points), self.face, self.uv)
 
     def thinned(self, most: int) -> tuple["FitState", NDArray[np.int64]]:
-        """The state of at most `most` points a cell, evenly chosen, and of all points on curves; and their rows."""
+        """The state of fewer points, evenly chosen, and of all points on curves; and their rows.
+
+        A face keeps at most `most` points for each triangle that it could be cut into.
+        """
+        topology = self.surface.topology
         order = order_by_cell(self.face, self.surface.domain.face_count)
-        cell = self.face[order]
-        count = np.bincount(cell, minlength=self.surface.domain.face_count)
-        rank = np.arange(len(cell)) - (np.cumsum(count) - count)[cell]
-        share = np.minimum(most, count[cell])
+        face = Places(self.surface).face[self.face[order]]
+        count = np.bincount(face, minlength=topology.face_count)
+        rank = np.arange(len(face)) - (np.cumsum(count) - count)[face]
+        share = np.minimum(most * (np.diff(topology.face_offsets) - 2), count)[face]
         keep = ~self.data.surface_rows
-        keep[order[(rank + 1) * share // count[cell] > rank * share // count[cell]]] = True
+        keep[order[(rank + 1) * share // count[face] > rank * share // count[face]]] = True
         rows = np.flatnonzero(keep)
         data = self.data if len(rows) == len(keep) else self.data.subset(rows)
         return replace(self, data=data, face=self.face[rows], uv=self.uv[rows], distance=self.distance[rows]), rows

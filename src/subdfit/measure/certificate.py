@@ -13,14 +13,15 @@ from subdfit.closest.curves import SurfaceCurves
 from subdfit.closest.projection import Projection, Projector
 from subdfit.limit.surface import LimitSurface
 from subdfit.limit.tessellate import lattice
+from subdfit.schemes.domain import QUAD, Domain
 from subdfit.target.sampling import face_samples
 from subdfit.target.target import Target
 
 Floats = NDArray[np.float64]
 
-FEWEST_SEGMENTS, MOST_SEGMENTS, MANY_SAMPLES = 4, 8, 200_000
-"""Segments a cell side when the surface is sampled: sixteen samples a control vertex of a triangle mesh at least,
-sixty-four where that does not make more samples than this."""
+SAMPLES, MOST_SAMPLES, MANY_SAMPLES = 16, 64, 200_000
+"""Samples of the surface a control vertex, at least; as many as the second where that does not make more in all than
+the third."""
 
 
 @dataclass(frozen=True)
@@ -129,15 +130,20 @@ def measure(surface: LimitSurface, target: Target, spacing: float, diagonal: flo
     )
 
 
-def reverse_segments(faces: int) -> int:
-    """Segments a cell side for samples of the surface: more where cells are few and therefore large."""
-    wanted = int(np.sqrt(2 * MANY_SAMPLES / max(faces, 1)))
-    return min(max(wanted, FEWEST_SEGMENTS), MOST_SEGMENTS)
+def reverse_segments(domain: Domain) -> int:
+    """Segments a cell side for samples of the surface: more where cells are few and therefore large.
+
+    A mesh has about half as many vertices as triangles, and as many as quads.
+    """
+    quads = float(np.where(domain.shape == QUAD, 1.0, 0.5).sum())
+    vertices = quads / 4 if domain.parts else quads
+    wanted = min(max(MANY_SAMPLES, SAMPLES * vertices), MOST_SAMPLES * vertices)
+    return max(int(np.sqrt(wanted / max(quads, 1.0))), 1)
 
 
 def _reverse(surface: LimitSurface, target: Target) -> tuple[Floats, Floats]:
     """Distances of surface samples from the target, and the sagitta each is allowed."""
-    grid = lattice(surface.domain, reverse_segments(surface.domain.face_count))
+    grid = lattice(surface.domain, reverse_segments(surface.domain))
     samples = surface.evaluate(grid.face, grid.uv).position
     if not target.is_mesh:
         return target.nearest_point(samples), np.zeros(len(samples))

@@ -14,7 +14,8 @@ def face_cells(t: Topology, control_vertices: int | None = None) -> Domain:
     t
         The mesh; edges that are sharp for ever bound what is smooth.
     control_vertices
-        How many of its vertices, the first, are control vertices; None counts all.
+        How many of its vertices, the first, are control vertices, its faces being parts of theirs in the order of
+        half-edges; None counts all.
     """
     size = np.diff(t.face_offsets)
     cell, side = t.face, (np.arange(len(t.twin)) - t.face_offsets[t.face]).astype(np.int8)
@@ -28,4 +29,7 @@ def face_cells(t: Topology, control_vertices: int | None = None) -> Domain:
     neighbour_side[cell, side] = np.where(inner, side[t.twin], 0)
     sharp[cell, side] = np.isinf(t.sharpness[t.edge])
     vertex[cell, side] = np.where(t.face_vertices < count, t.face_vertices, -1)
-    return Domain(np.where(size == 3, TRIANGLE, QUAD).astype(np.int8), neighbour, neighbour_side, sharp, vertex)
+    shape = np.where(size == 3, TRIANGLE, QUAD).astype(np.int8)
+    parts = control_vertices is not None
+    half_edge = np.arange(t.face_count, dtype=np.int32) if parts else t.face_offsets[:-1]
+    return Domain(shape, neighbour, neighbour_side, sharp, vertex, half_edge, parts)

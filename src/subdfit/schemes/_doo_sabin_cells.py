@@ -78,7 +78,16 @@ class Cells:
         side = np.where(arriving >= 0, (self.slot[there] - 1) % 4, 0)
         vertex = self._vertex_of_face()[t.face[self.ring]]
         shape = np.full(self.count, QUAD, np.int8)
-        return Domain(shape, neighbour.astype(np.int32), side.astype(np.int8), ~smooth, vertex.astype(np.int32))
+        half_edge = np.flatnonzero(self.parent.inner).astype(np.int32)
+        return Domain(
+            shape,
+            neighbour.astype(np.int32),
+            side.astype(np.int8),
+            ~smooth,
+            vertex.astype(np.int32),
+            half_edge,
+            parts=True,
+        )
 
     def _across(self, leaving: Rows) -> Rows:
         """The edge from the cell beyond a curve to the vertex on it where the given edges arrive; -1 at the boundary.

@@ -6,6 +6,7 @@ patches of its children are listed as any others are.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,14 +71,7 @@ class QuadPatches:
 
     def matrices(self, kind: CornerType) -> Matrix:
         """The matrices of a type."""
-        if kind == REGULAR:
-            return bicubic_basis().T.ravel()
-        smaller, children = self.step(kind)
-        ring = 1 + kind.faces + kind.edges
-        mask, tangents = np.zeros(len(smaller)), np.zeros((2, len(smaller)))
-        mask[:ring] = limit_mask(smaller[:ring, :ring])
-        tangents[:, :ring] = limit_tangents(smaller[:ring, :ring], kind)
-        return towards_corner(smaller, [bicubic_basis() @ child for child in children], mask, tangents, (4, 1))
+        return bicubic_basis().T.ravel() if kind == REGULAR else _irregular_matrices(self, kind)
 
     def limit_mask(self, kind: CornerType) -> Matrix:
         """Weights of the corner and its ring for its limit point, (1 + faces + edges,)."""
@@ -130,6 +124,16 @@ class QuadPatches:
         out[plain, 0] = points[plain]
         out[~plain] = mirrors[points[~plain] - t.vertex_count]
         return out
+
+
+@cache
+def _irregular_matrices(rules: QuadPatches, kind: CornerType) -> Matrix:
+    smaller, children = rules.step(kind)
+    ring = 1 + kind.faces + kind.edges
+    mask, tangents = np.zeros(len(smaller)), np.zeros((2, len(smaller)))
+    mask[:ring] = limit_mask(smaller[:ring, :ring])
+    tangents[:, :ring] = limit_tangents(smaller[:ring, :ring], kind)
+    return towards_corner(smaller, [bicubic_basis() @ child for child in children], mask, tangents, (4, 1))
 
 
 def bicubic_basis() -> Matrix:

@@ -31,10 +31,11 @@ class Domain:
     neighbour_side : (f, 4) int8, which side of the neighbour it is.
     sharp : (f, 4) bool, whether the surface has a crease or ends at that side.
     vertex : (f, 4) int32, the control vertex at each corner, -1 where a corner stands for none.
-
-    A cell is a whole face of the control mesh, all of its corners control vertices in the face's order; or it is the
-    part of a face at one of its corners: the vertex, then the middle of the side that begins there, the face's middle,
-    the middle of the side before. Cells come in the order of faces, and of corners within a face.
+    half_edge : (f,) int32, the control mesh's half-edge at each cell's first corner.
+    parts : whether cells are parts of the control mesh's faces, each at one face corner, rather than whole faces with
+        corners in the face's order. A part's first corner is its vertex's, the second lies in the middle of the side
+        that begins there, the third in the face's middle, the last in the middle of the side before. Along curves a
+        dual scheme's parts may reach further, and face corners on them have none.
     """
 
     shape: NDArray[np.int8]
@@ -42,6 +43,8 @@ class Domain:
     neighbour_side: NDArray[np.int8]
     sharp: NDArray[np.bool_]
     vertex: NDArray[np.int32]
+    half_edge: NDArray[np.int32]
+    parts: bool = False
 
     @property
     def face_count(self) -> int:
@@ -52,12 +55,6 @@ class Domain:
     def present(self) -> NDArray[np.bool_]:
         """Which corners and sides there are, (f, 4): a triangle has no fourth."""
         return np.asarray(np.arange(4) < self.shape[:, None])
-
-    @cached_property
-    def half_edge(self) -> NDArray[np.int64]:
-        """The control mesh's half-edge that begins at each corner, (f, 4); -1 where a corner stands for no vertex."""
-        named = (self.vertex >= 0) & self.present
-        return np.where(named, np.cumsum(named.ravel()).reshape(-1, 4) - 1, -1)
 
     def next_corner(self, cell: NDArray[np.int64], corner: NDArray[np.int64]) -> NDArray[np.int64]:
         """The corner at which the side begins that follows the one begun at `corner`, (k,)."""

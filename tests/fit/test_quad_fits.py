@@ -1,0 +1,96 @@
+"""Fitting with schemes that take polygons: the same truths as for Loop's, and quads."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from subdfit.fit.adapt import refined, settled
+from subdfit.fit.data import FitData
+from subdfit.fit.driver import fit_target
+from subdfit.fit.faults import all_sides, cutting_sides
+from subdfit.fit.settings import FitSettings
+from subdfit.fit.state import FitState
+from subdfit.initial.start import start_mesh
+from subdfit.limit import LimitSurface
+from subdfit.measure import Tolerance
+from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.schemes import SCHEMES
+from subdfit.target.frame import Frame
+from subdfit.target.target import Target
+
+OTHERS = pytest.mark.parametrize("scheme", [name for name in SCHEMES if name not in ("loop", "doo-sabin-averaging")])
+
+
+def settings(scheme: str, bound: float, **others: object) -> FitSettings:
+    return replace(FitSettings(scheme=scheme, tolerance=Tolerance(max=bound)), **others)  # type: ignore[arg-type]
+
+
+def quad_share(mesh: ControlMesh) -> float:
+    return float(np.mean(np.diff(mesh.topology.face_offsets) == 4))
+
+
+def state_of(target: Target, scheme: str, vertices: int) -> FitState:
+    inside = target.normalised(Frame.of(target.points))
+    mesh = start_mesh(inside, vertices, None, faces=SCHEMES[scheme].faces)
+    return FitState.start(FitData.of(inside, 0.02), LimitSurface(mesh, scheme))
+
+
+@OTHERS
+@pytest.mark.parametrize("method", ["auto", "geometric"])
+def test_a_sphere_is_certified(scheme: str, method: str, ball: Target) -> None:
+    result = fit_target(ball, settings(scheme, 2e-3, method=method))
+    assert result.certified
+    assert result.control_mesh.scheme == scheme
+    assert quad_share(result.control_mesh) > 0.5
+
+
+@OTHERS
+@pytest.mark.parametrize("method", ["auto", "geometric"])
+def test_the_boundary_is_followed(scheme: str, method: str, dome: Target) -> None:
+    result = fit_target(dome, settings(scheme, 2e-3, method=method))
+    assert result.status == "within_tolerance"
+    assert result.measurement.boundary is not None
+    assert result.measurement.boundary.max <= 4e-3
+
+
+@OTHERS
+def test_creases_make_a_box_of_few_vertices(scheme: str, box: Target) -> None:
+    result = fit_target(box, settings(scheme, 1e-3))
+    assert result.status == "within_tolerance"
+    assert result.measurement.crease is not None
+    assert result.measurement.crease.max <= 1e-3
+    assert result.control_mesh.topology.vertex_count < 150
+
+
+@OTHERS
+def test_the_same_input_gives_the_same_output_on_any_number_of_threads(scheme: str, dome: Target) -> None:
+    from subdfit import parallel
+
+    meshes = []
+    for count in (1, 2):
+        parallel.set_threads(count)
+        meshes.append(fit_target(dome, settings(scheme, 5e-3)).control_mesh)
+    parallel.set_threads(None)
+    assert np.array_equal(meshes[0].points, meshes[1].points)
+    assert np.array_equal(meshes[0].topology.face_vertices, meshes[1].topology.face_vertices)
+
+
+@OTHERS
+def test_refining_barely_moves_the_surface(scheme: str, ball: Target) -> None:
+    state = state_of(ball, scheme, 150)
+    before = state.errors
+    some = np.arange(0, state.surface.topology.face_count, 3)
+    for marks in (cutting_sides(state, some), all_sides(state, some)):
+        finer = refined(state, marks)
+        assert finer.surface.topology.vertex_count > state.surface.topology.vertex_count + 20
+        assert finer.errors.rms < 1.5 * before.rms
+
+
+@OTHERS
+def test_limits_are_put_where_they_are_wanted(scheme: str, dome: Target) -> None:
+    mesh = state_of(dome, scheme, 100).surface.control_mesh
+    wanted = mesh.points
+    points = settled(mesh, SCHEMES[scheme], wanted)
+    rows = SCHEMES[scheme].limit_rows(mesh.topology)
+    assert np.abs(rows @ points - wanted).max() < 0.1 * np.abs(rows @ mesh.points - wanted).max()
