@@ -130,7 +130,7 @@ class Places:
         return sp.csr_array((values, (rows, columns)), shape=shape)
 
     def _unnamed_corners(self) -> tuple[Rows, Rows, Rows]:
-        """Points at cells' corners that are no control vertices': the side in whose middle each lies, or -1, and a face.
+        """Points at cells' corners but control vertices': the side in whose middle each lies, or -1, and a face.
 
         The third corner of a part that reaches to a curve lies on that.
         """
