@@ -3,12 +3,14 @@
 import sys
 
 import subdfit
-from benchmarks import creases, dragon, interpolation, kernels, paper, parts
+from benchmarks import creases, dragon, interpolation, kernels, paper, parts, scaling, stages
 from benchmarks.common import MODELS, machine
 
 SECTIONS = {
     "paper": ("The paper's models, both methods", paper.run),
     "creases": ("Machined parts with and without creases", creases.run),
+    "stages": ("Where the time goes", stages.run),
+    "scaling": ("How time grows", scaling.run),
     "kernels": ("Kernels", kernels.run),
     "parts": ("Machined parts: curvature and faces", parts.run),
     "interpolation": ("Interpolation", interpolation.run),

@@ -34,7 +34,8 @@ def run() -> str:
     found = decimate(data.points, data.face_vertices.reshape(-1, 3), 2000)
     surface = LimitSurface(ControlMesh.from_triangles(found.points, found.triangles), "loop")
     t = surface.compiled.table
-    regular = (t.type_levels[t.patch_type[t.cell_patch]] == 0) & ~t.cell_split
+    whole = t.cell_node >= 0
+    regular = whole & (t.type_levels[t.patch_type[np.where(whole, t.cell_node, 0)]] == 0)
     rng = np.random.default_rng(0)
     rows = []
     for name, cells in (("regular", np.flatnonzero(regular)), ("others", np.flatnonzero(~regular))):

@@ -49,7 +49,7 @@ class Auto:
         self.settings = settings
         self.weights = weights or TangentSettings()
         self._damping = self.weights.damping
-        self._begun = False
+        self._begun = self._drawn = False
         self._seen: tuple[FitState, Samples] | None = None
 
     def advance(self, state: FitState) -> FitState:
@@ -59,7 +59,7 @@ class Auto:
         if self._begun:
             state = self.adapt(state)
         final = self._begun and state.surface.topology is topology
-        self._begun = True
+        self._begun, self._drawn = True, nearly
         samples = self._sparse(state)
         if nearly:
             samples = samples.joined(self._strays(state))
@@ -100,7 +100,8 @@ class Auto:
         state = state.refreshed(tolerance.max or 0.0)
         faces = self._bad_faces(state)
         few = len(faces) <= FEW * state.surface.topology.face_count
-        if few:
+        # Strays are drawn back for a round before their faces are split.
+        if few and self._drawn:
             straying = large_enough(state, self._stray_faces(state))
             faces = np.concatenate([faces, np.setdiff1d(straying, faces)])
         marks = all_sides(state, faces) if few and self._triangles(state) else cutting_sides(state, faces)
