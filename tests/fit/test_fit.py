@@ -117,15 +117,23 @@ def test_the_same_input_gives_the_same_output_on_any_number_of_threads(method: s
 
 
 @EITHER
-def test_size_and_place_do_not_matter(method: str, dome: Target) -> None:
+def test_size_does_not_matter(method: str, dome: Target) -> None:
     near = fit_target(dome, settings(method, 2e-3))
-    scale, offset = 1000.0, np.array([1e6, -2e6, 5e5])
-    moved = mesh_target(dome.points * scale + offset, dome.triangles, creases="none")
+    # Powers of two scale without rounding, so that every decision is the same.
+    far = fit_target(mesh_target(dome.points * 1024, dome.triangles, creases="none"), settings(method, 2e-3))
+    assert np.array_equal(far.control_mesh.points, 1024 * near.control_mesh.points)
+
+
+@EITHER
+def test_place_does_not_matter(method: str, dome: Target) -> None:
+    offset = np.array([1e6, -2e6, 5e5])
+    moved = mesh_target(dome.points * 1000 + offset, dome.triangles, creases="none")
     far = fit_target(moved, settings(method, 2e-3))
     assert far.status == "within_tolerance"
-    assert far.measurement.max == pytest.approx(near.measurement.max, rel=0.5)
-    centre = far.control_mesh.points.mean(axis=0)
-    assert np.linalg.norm(centre - offset) < 2 * scale
+    near = fit_target(dome, settings(method, 2e-3))
+    # Rounding decides the ties of a regular dome, so that the paths differ; what they cost hardly does.
+    assert far.control_mesh.topology.vertex_count == pytest.approx(near.control_mesh.topology.vertex_count, rel=0.2)
+    assert np.linalg.norm(far.control_mesh.points.mean(axis=0) - offset) < 2000
 
 
 def test_progress_gives_a_usable_mesh_at_every_iteration(dome: Target) -> None:
