@@ -9,6 +9,7 @@ from benchmarks.common import MODELS, table
 from subdfit.curves.fitting import knots_removed
 from subdfit.curves.loops import fit_loop
 from subdfit.curves.polyline import Polyline
+from subdfit.initial.lavoue import BoundaryPolygon, boundary_start
 from subdfit.target.curvature import curvature_field
 from subdfit.target.curves import boundary_loops
 
@@ -17,7 +18,7 @@ PARTS = ("fandisk", "fandisk_large", "block", "casting", "mechpart", "club")
 
 def run() -> str:
     """Measure and return the tables."""
-    return "\n\n".join([curvature(), segmentation(), curves()])
+    return "\n\n".join([curvature(), segmentation(), curves(), starts()])
 
 
 def curvature() -> str:
@@ -103,6 +104,26 @@ def curves() -> str:
             rows.append([name, *counts, f"{100 * found.error / diagonal:.3f}", f"{clock:.2f}"])
     head = ["mesh", "loop's points", "sharp", "control points", "by knot removal", "largest error %", "CPU s"]
     return table(head, rows)
+
+
+def starts() -> str:
+    """Control meshes of open surfaces from their boundary curves at .5 % of the diagonal."""
+    rows = []
+    for name in ("cylinder", "blade", "holes", "mech-holes-shark", "plane_holes"):
+        data = subdfit.read(MODELS / f"{name}.ply")
+        triangles = data.face_vertices.reshape(-1, 3)
+        diagonal = float(np.linalg.norm(np.ptp(data.points, axis=0)))
+        loops = boundary_loops(triangles)
+        fits = [fit_loop(Polyline(data.points[loop.vertices], closed=True), 5e-3 * diagonal) for loop in loops]
+        polygons = [BoundaryPolygon(fit.points, fit.corners, fit.limits) for fit in fits]
+        for paths in ("geodesic", "dijkstra"):
+            clock = time.process_time()
+            topology = boundary_start(data.points, triangles, polygons, paths=paths).topology
+            clock = time.process_time() - clock
+            quads = int(np.sum(np.diff(topology.face_offsets) == 4))
+            counts = [str(topology.vertex_count), str(topology.face_count), str(quads)]
+            rows.append([name, str(len(loops)), paths, *counts, f"{clock:.1f}"])
+    return table(["surface", "boundaries", "paths", "control vertices", "faces", "quads", "CPU s"], rows)
 
 
 def segmentation() -> str:

@@ -1,0 +1,91 @@
+"""A first control mesh of an open surface from its boundaries and lines of curvature.
+
+Lavoué, Dupont and Baskurt 2007, section 4.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+
+from subdfit.errors import InputError
+from subdfit.initial.lavoue_contour import topologic_contour
+from subdfit.initial.lavoue_cutting import Cutting
+from subdfit.initial.lavoue_scores import Paths, ScoredSurface
+from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.mesh.topology import Topology
+from subdfit.target.curvature import curvature_field
+from subdfit.target.curves import boundary_loops
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class BoundaryPolygon:
+    """The control polygon of one boundary, in the direction that has the surface on its left.
+
+    Attributes
+    ----------
+    points : (k, 3) float64, k >= 3.
+    corners : (k,) bool, which of them stay in place.
+    limits : (k, 3) float64, their limits on the boundary curve.
+    """
+
+    points: Floats
+    corners: NDArray[np.bool_]
+    limits: Floats
+
+
+def boundary_start(
+    points: Floats,
+    triangles: NDArray[np.integer],
+    polygons: Sequence[BoundaryPolygon],
+    *,
+    paths: Paths = "geodesic",
+    radius: float | None = None,
+    most_corners: int = 4,
+) -> ControlMesh:
+    """Control mesh of triangles and quads whose vertices are the control points of the boundaries.
+
+    Parameters
+    ----------
+    points, triangles : the surface: connected, oriented, with at least one boundary and without handles.
+    polygons : one for each boundary, in the order of `boundary_loops`.
+    paths : of possible edges, see `ScoredSurface`.
+    radius : over which curvature is averaged; see `curvature_field`.
+    most_corners : of a face, 3 or more.
+
+    Raises
+    ------
+    InputError
+        The surface is closed or has handles, or there are too few control points for its holes.
+    """
+    loops = boundary_loops(triangles)
+    if len(loops) != len(polygons):
+        raise InputError(f"{len(polygons)} polygons for {len(loops)} boundaries; give one each")
+    surface = ScoredSurface(points, triangles, curvature_field(points, triangles, radius), paths)
+    anchors = np.concatenate([_anchors(points, loop.vertices, p) for loop, p in zip(loops, polygons, strict=True)])
+    loop_of = np.repeat(np.arange(len(polygons)), [len(p.points) for p in polygons])
+    contour = topologic_contour(surface, anchors, loop_of)
+    limits = np.concatenate([p.limits for p in polygons])[contour.controls]
+    rings = Cutting(contour, limits, most_corners).faces()
+    faces = [contour.controls[ring] for ring in rings]
+    topology = Topology.from_faces(
+        np.concatenate([[0], np.cumsum([len(face) for face in faces])]),
+        np.concatenate(faces),
+        len(anchors),
+        corner_vertices=np.flatnonzero(np.concatenate([p.corners for p in polygons])),
+    )
+    return ControlMesh(topology, np.concatenate([p.points for p in polygons]), "quad-triangle")
+
+
+def _anchors(points: Floats, loop: NDArray[np.int64], polygon: BoundaryPolygon) -> NDArray[np.int64]:
+    """A boundary vertex of its own for each control point, near its limit."""
+    if len(loop) < len(polygon.points):
+        raise InputError(
+            f"a boundary of {len(loop)} vertices has {len(polygon.points)} control points; refine the mesh"
+        )
+    squares = np.sum((polygon.limits[:, None] - points[loop][None]) ** 2, axis=2)
+    return loop[linear_sum_assignment(squares)[1]]

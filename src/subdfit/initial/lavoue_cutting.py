@@ -1,0 +1,107 @@
+"""Recursive cutting of the topologic contour into faces (Lavoué et al. 2007, Figure 7)."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subdfit.errors import InputError
+from subdfit.initial.lavoue_contour import Contour
+from subdfit.initial.lavoue_convex import convex_parts, is_convex
+
+Floats = NDArray[np.float64]
+Ring = list[int]
+
+_LOOKED_AT = 24
+"""Chords of a contour, the best by Dijkstra's paths, whose geodesics are looked at."""
+
+
+@dataclass
+class Cutting:
+    """A contour on its way to faces; rings list places of the contour, counter-clockwise.
+
+    Attributes
+    ----------
+    contour : the contour.
+    limits : (k, 3) float64, the limit points at its places.
+    most_corners : of a face.
+    """
+
+    contour: Contour
+    limits: Floats
+    most_corners: int = 4
+    _rough: dict[tuple[int, int], tuple[float, float]] = field(default_factory=dict)
+    _fine: dict[tuple[int, int], tuple[float, float]] = field(default_factory=dict)
+    _edges: set[frozenset[int]] = field(default_factory=set)
+
+    def faces(self) -> list[Ring]:
+        """Cut until every ring is a face: a triangle, a convex quad, or a plane ring cut into convex parts."""
+        controls = self.contour.controls
+        count = len(controls)
+        self._edges = {frozenset((int(controls[k - 1]), int(controls[k]))) for k in range(count)}
+        self._score_all()
+        done: list[Ring] = []
+        waiting: list[Ring] = [list(range(count))]
+        while waiting:
+            ring = waiting.pop()
+            if self._is_face(ring):
+                done.append(ring)
+                continue
+            i, j = self._best_chord(ring)
+            self._edges.add(frozenset((int(controls[ring[i]]), int(controls[ring[j]]))))
+            waiting += [ring[i : j + 1], ring[j:] + ring[: i + 1]]
+        return convex_parts(done, self.limits, controls, self.most_corners)
+
+    def _is_face(self, ring: Ring) -> bool:
+        if len({int(self.contour.controls[k]) for k in ring}) < len(ring):
+            return False
+        if len(ring) == 3:
+            return True
+        return len(ring) <= self.most_corners and is_convex(self.limits[ring])
+
+    def _score_all(self) -> None:
+        """Scores of all chords along edges of the mesh; those across faces are found when they are needed."""
+        count = len(self.contour.vertices)
+        pairs = [(i, j) for i in range(count) for j in range(i + 1, count) if self._possible(i, j)]
+        if not pairs:
+            return
+        ends = [(int(self.contour.vertices[i]), int(self.contour.vertices[j])) for i, j in pairs]
+        surface = self.contour.surface
+        score, length = surface.scores(surface.find(ends, "dijkstra"))
+        self._rough = dict(zip(pairs, zip(score.tolist(), length.tolist(), strict=True), strict=True))
+
+    def _possible(self, i: int, j: int) -> bool:
+        a, b = (int(self.contour.controls[k]) for k in (i, j))
+        return a != b and frozenset((a, b)) not in self._edges
+
+    def _best_chord(self, ring: Ring) -> tuple[int, int]:
+        """Places within a ring between which to cut: least score, then shortest."""
+        n = len(ring)
+        chords = [(i, j) for i in range(n) for j in range(i + 2, n - (i == 0)) if self._possible(ring[i], ring[j])]
+        chords = [chord for chord in chords if self._leaves_faces(ring, *chord)]
+        if not chords:
+            raise InputError("the boundary has too few control points for its holes; ask for a smaller tolerance")
+        key = {chord: (min(ring[chord[0]], ring[chord[1]]), max(ring[chord[0]], ring[chord[1]])) for chord in chords}
+        chords.sort(key=lambda chord: (self._rough[key[chord]], chord))
+        if self.contour.surface.paths == "dijkstra":
+            return chords[0]
+        likely = chords[:_LOOKED_AT]
+        self._refine([key[chord] for chord in likely])
+        return min(likely, key=lambda chord: (self._fine[key[chord]], chord))
+
+    def _leaves_faces(self, ring: Ring, i: int, j: int) -> bool:
+        """Whether both sides of a chord have three control points at least, and no triangle has one twice."""
+        for side in (ring[i : j + 1], ring[j:] + ring[: i + 1]):
+            if len({int(self.contour.controls[k]) for k in side}) < 3:
+                return False
+        return True
+
+    def _refine(self, pairs: list[tuple[int, int]]) -> None:
+        fresh = [pair for pair in pairs if pair not in self._fine]
+        if not fresh:
+            return
+        surface = self.contour.surface
+        ends = [(int(self.contour.vertices[i]), int(self.contour.vertices[j])) for i, j in fresh]
+        score, length = surface.scores(surface.find(ends))
+        rounded = np.round(score, 6).tolist()
+        self._fine.update(zip(fresh, zip(rounded, length.tolist(), strict=True), strict=True))

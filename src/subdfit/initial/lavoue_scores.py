@@ -1,0 +1,154 @@
+"""How well a possible control edge follows the lines of curvature (Lavoué et al. 2007, section 4.3)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+import potpourri3d
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
+
+from subdfit.target.bvh import SegmentTree, TriangleTree
+from subdfit.target.curvature import CurvatureField
+from subdfit.target.curves import boundary_edges
+
+Floats = NDArray[np.float64]
+Paths = Literal["geodesic", "dijkstra"]
+
+_NO_DIRECTION, _BLOCKED = 45.0, 90.0
+"""Degrees that count where the tensor is isotropic, and where a path runs along the boundary."""
+_SAMPLES = 16
+"""Places at which a path is compared with the lines of curvature, between its ends."""
+_TOUCHING = 1e-6
+"""Distance from the boundary, as a share of the diagonal, at which a path runs along it."""
+_FLAT = 0.3
+"""Curvature times diagonal below which a difference of principal curvatures says nothing."""
+
+
+@dataclass(frozen=True)
+class ScoredSurface:
+    """A surface with lines of curvature, on which paths are found and compared with them.
+
+    Attributes
+    ----------
+    points, triangles : the mesh, (n, 3) and (m, 3).
+    field : curvature of the vertices.
+    paths : ``geodesic`` straightens paths across faces (Sharp and Crane, You can find geodesic paths in triangle meshes
+        by just flipping edges, 2020), which does not depend on the tessellation; ``dijkstra`` keeps them on edges, as
+        printed in the paper.
+    """
+
+    points: Floats
+    triangles: NDArray[np.integer]
+    field: CurvatureField
+    paths: Paths = "geodesic"
+
+    @cached_property
+    def diagonal(self) -> float:
+        """Diagonal of the bounding box."""
+        return float(np.linalg.norm(np.ptp(self.points, axis=0)))
+
+    @cached_property
+    def boundary(self) -> NDArray[np.bool_]:
+        """Vertices of the boundary, (n,)."""
+        flags = np.zeros(len(self.points), np.bool_)
+        flags[boundary_edges(self.triangles)] = True
+        return flags
+
+    @cached_property
+    def _tree(self) -> TriangleTree:
+        return TriangleTree(self.points, self.triangles)
+
+    @cached_property
+    def _rim(self) -> SegmentTree:
+        return SegmentTree(self.points, boundary_edges(self.triangles))
+
+    @cached_property
+    def graph(self) -> csr_array:
+        """Lengths of edges between vertices, symmetric."""
+        ends = np.sort(self.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2).astype(np.int64), axis=1)
+        ends = np.unique(ends, axis=0)
+        length = np.linalg.norm(self.points[ends[:, 1]] - self.points[ends[:, 0]], axis=1)
+        both = np.concatenate([ends, ends[:, ::-1]])
+        shape = (len(self.points), len(self.points))
+        return csr_array((np.tile(np.maximum(length, 1e-300), 2), (both[:, 0], both[:, 1])), shape=shape)
+
+    def edge_path(self, source: int, target: int) -> NDArray[np.int64]:
+        """Vertices of the shortest path along edges that meets no boundary between its ends; empty if there is none."""
+        allowed = ~self.boundary
+        allowed[[source, target]] = True
+        rows = np.repeat(np.arange(len(self.points)), np.diff(self.graph.indptr))
+        kept = allowed[rows] & allowed[self.graph.indices]
+        shape = self.graph.shape
+        graph = csr_array((self.graph.data[kept], (rows[kept], self.graph.indices[kept])), shape=shape)
+        length, before = dijkstra(graph, indices=[source], return_predecessors=True)
+        return _trace(before[0], target) if np.isfinite(length[0, target]) else np.empty(0, np.int64)
+
+    def find(self, pairs: Sequence[tuple[int, int]], paths: Paths | None = None) -> list[Floats]:
+        """Shortest paths between pairs of vertices, as points (k, 3)."""
+        if (paths or self.paths) == "geodesic":
+            return [self._geodesic(a, b) for a, b in pairs]
+        sources = sorted({a for a, _ in pairs})
+        place = {a: row for row, a in enumerate(sources)}
+        _, before = dijkstra(self.graph, indices=sources, return_predecessors=True)
+        return [self.points[_trace(before[place[a]], b)] for a, b in pairs]
+
+    @cached_property
+    def _flipper(self) -> "potpourri3d.EdgeFlipGeodesicSolver":
+        return potpourri3d.EdgeFlipGeodesicSolver(self.points, np.asarray(self.triangles, np.int64))
+
+    def _geodesic(self, a: int, b: int) -> Floats:
+        return np.asarray(self._flipper.find_geodesic_path(a, b), np.float64)
+
+    def scores(self, paths: Sequence[Floats], *, sampled: bool = True) -> tuple[Floats, Floats]:
+        """Coherency scores (equation 4) of paths, in degrees from 0 (best) to 90, and the paths' lengths.
+
+        For each place of a path the angles between the two principal directions and the chord from the path's first to
+        its last point are folded into 0 to 90; the better of the two sums over the path, over the number of places, is
+        the score. Places where the tensor is isotropic count 45, places on the boundary 90.
+
+        Parameters
+        ----------
+        paths : points (k, 3) each, k >= 2.
+        sampled
+            Compare at even distances along the path, so that the tessellation does not matter; else at its points.
+        """
+        places = [_between(path) if sampled else path for path in paths]
+        count = np.array([len(place) for place in places])
+        owner = np.repeat(np.arange(len(paths)), count)
+        at = np.concatenate(places)
+        chord = np.array([path[-1] - path[0] for path in paths])
+        chord /= np.maximum(np.linalg.norm(chord, axis=1, keepdims=True), 1e-300)
+        nearest = self._tree.closest(at)
+        found = self.field.at(nearest.triangle, nearest.uv)
+        smallest, largest = (
+            np.degrees(np.arccos(np.clip(np.abs(np.sum(direction * chord[owner], axis=1)), 0, 1)))
+            for direction in (found.minimum_direction, found.maximum_direction)
+        )
+        plain = found.isotropic(least=_FLAT / self.diagonal)
+        blocked = self._rim.closest(at).distance <= _TOUCHING * self.diagonal
+        inner = np.concatenate([(np.arange(n) > 0) & (np.arange(n) < n - 1) | sampled for n in count])
+        sums = []
+        for angle in (smallest, largest):
+            angle[plain] = _NO_DIRECTION
+            angle[blocked & inner] = _BLOCKED
+            sums.append(np.bincount(owner, angle, len(paths)) / count)
+        length = np.array([np.linalg.norm(np.diff(path, axis=0), axis=1).sum() for path in paths])
+        return np.minimum(*sums), length
+
+
+def _trace(before: NDArray[np.int32], target: int) -> NDArray[np.int64]:
+    path = [target]
+    while before[path[-1]] >= 0:
+        path.append(int(before[path[-1]]))
+    return np.array(path[::-1], np.int64)
+
+
+def _between(path: Floats) -> Floats:
+    """Places at even distances along a path, without its ends."""
+    arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+    steps = (np.arange(_SAMPLES) + 0.5) / _SAMPLES * arc[-1]
+    return np.stack([np.interp(steps, arc, column) for column in path.T], axis=1)
