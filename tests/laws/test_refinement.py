@@ -39,6 +39,14 @@ def test_child_topology_keeps_genus_boundary_creases_and_corners(surface):
     )
 
 
+def test_points_alone_give_what_matrices_give(surface):
+    """Refined and limit points, computed with and without rows."""
+    scheme, t, points = surface.scheme, surface.topology, scattered(surface.control_mesh).points
+    step = scheme.refine(t)
+    np.testing.assert_allclose(step.refined(points), step.matrix @ points, atol=1e-13)
+    np.testing.assert_allclose(scheme.limit_points(t, points), scheme.limit_rows(t) @ points, atol=1e-13)
+
+
 @pytest.mark.parametrize(("scheme", "name"), [case for case in CASES if case[0] not in DUAL])
 def test_limit_rows_are_a_left_fixed_point_of_refinement(scheme, name):
     """The limit point of a vertex is the same whether taken now or one level later."""

@@ -43,5 +43,5 @@ def subdivide(
         step = rules.refine(topology)
         topology, points = step.child, step.refined(points)
     if limit:
-        return ControlMesh(topology, rules.limit_rows(topology) @ points)
+        return ControlMesh(topology, rules.limit_points(topology, points))
     return ControlMesh(topology, points, rules.name)

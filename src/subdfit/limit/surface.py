@@ -250,7 +250,7 @@ class LimitSurface:
 
     def vertex_limits(self) -> Floats:
         """Limit points of the control vertices, (n, 3)."""
-        return np.asarray(self.scheme.limit_rows(self.topology) @ self.control_mesh.points)
+        return self.scheme.limit_points(self.topology, self.control_mesh.points)
 
     def _in_irregular_corner(self, cell: NDArray[np.int32], uv: Floats) -> NDArray[np.bool_]:
         """Whether each parameter is an irregular corner's as `evaluate` sees it, (k,)."""

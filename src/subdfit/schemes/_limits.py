@@ -1,4 +1,4 @@
-"""Limit points of the vertices of schemes whose vertices stay, as rows over the control points."""
+"""Limit points of the vertices of schemes whose vertices stay: as rows over the control points, or of points alone."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from subdfit.mesh.topology import Topology
 from subdfit.schemes._corner_type import CornerType
 from subdfit.schemes._level import Level, Piece, semi_sharp, sharp_edges_round
-from subdfit.schemes._stencils import VertexMask, mask_rows
+from subdfit.schemes._stencils import VertexMask, mask_points, mask_rows
 from subdfit.schemes.scheme import Refinement
 
 Floats = NDArray[np.float64]
@@ -46,12 +46,8 @@ def limit_rows(rules: LimitRules, t: Topology, chosen: Rows | None = None) -> sp
     csr_array
         (chosen, n).
     """
-    count = sharp_edges_round(t, np.isinf(t.sharpness)[t.edge])
-    pinned = np.isinf(t.corner_sharpness) | (count >= 3)
-    smooth, dart, crease = (~pinned & (count == sharp) for sharp in range(3))
-    waiting = semi_sharp(t)
-    waiting |= dart & (_other_faces(t, rules.corners) > 0)
-    matrix, dart = _stationary(rules, t, smooth, crease, pinned), dart & ~waiting
+    weights, dart, waiting = _masks(rules, t)
+    matrix, dart = mask_rows(t, weights), dart & ~waiting
     if dart.any():
         matrix = sp.csr_array(matrix + _darts(rules, Level.of(t), dart))
     if chosen is not None:
@@ -66,22 +62,34 @@ def limit_rows(rules: LimitRules, t: Topology, chosen: Rows | None = None) -> sp
     return sp.csr_array(keep + place @ late)
 
 
+def limit_points(rules: LimitRules, t: Topology, points: Floats) -> Floats:
+    """The limit points (n, 3) that `limit_rows` makes of points, with rows only for darts and what is refined first."""
+    weights, dart, waiting = _masks(rules, t)
+    found = mask_points(t, weights, points)
+    rest = np.flatnonzero(dart | waiting)
+    if len(rest):
+        piece, rows = _piece_round(t, rest)
+        found[rest] = limit_rows(rules, piece.topology, rows) @ points[piece.vertices]
+    return found
+
+
 def _other_faces(t: Topology, corners: int) -> NDArray[np.int64]:
     """Number of faces at each vertex that have another number of corners."""
     other = np.diff(t.face_offsets)[t.face] != corners
     return np.bincount(t.face_vertices[other], minlength=t.vertex_count)
 
 
-def _stationary(
-    rules: LimitRules, t: Topology, smooth: NDArray[np.bool_], crease: NDArray[np.bool_], pinned: NDArray[np.bool_]
-) -> sp.csr_array:
-    """Rows of all but darts, whose rows are empty."""
+def _masks(rules: LimitRules, t: Topology) -> tuple[Floats, NDArray[np.bool_], NDArray[np.bool_]]:
+    """Weights (n, 5) of all masks but those of darts, which are zero; darts; and vertices to be refined first, (n,)."""
+    count = sharp_edges_round(t, np.isinf(t.sharpness)[t.edge])
+    pinned = np.isinf(t.corner_sharpness) | (count >= 3)
+    smooth, dart, crease = (~pinned & (count == sharp) for sharp in range(3))
     weights = np.zeros((t.vertex_count, 5))
     for column, weight in enumerate(rules.smooth(t)):
         weights[:, column] = np.where(smooth, weight, 0.0)
     weights[crease, 0], weights[crease, 3] = 4 / 6, 1 / 6
     weights[pinned, 0] = 1.0
-    return mask_rows(t, weights)
+    return weights, dart, semi_sharp(t) | dart & (_other_faces(t, rules.corners) > 0)
 
 
 def _darts(rules: LimitRules, level: Level, darts: NDArray[np.bool_]) -> sp.csr_array:
@@ -115,11 +123,16 @@ def _ring(level: Level, v: int) -> list[int]:
 
 def _after_refining(rules: LimitRules, t: Topology, vertices: Rows) -> sp.csr_array:
     """Limit rows of some vertices, (k, n), taken one level later."""
+    piece, row = _piece_round(t, vertices)
+    step = rules.refine(piece.topology)
+    fine = sp.csr_array(limit_rows(rules, step.child, step.vertex_row[row]) @ step.matrix)
+    return sp.csr_array((fine.data, piece.vertices[fine.indices], fine.indptr), shape=(len(vertices), t.vertex_count))
+
+
+def _piece_round(t: Topology, vertices: Rows) -> tuple[Piece, Rows]:
+    """The part of the mesh that surrounds some vertices, and their rows in it."""
     near = np.zeros(t.vertex_count, np.bool_)
     near[vertices] = True
     piece = Piece.round(t, np.unique(t.face[near[t.face_vertices]]).astype(np.int64))
-    step = rules.refine(piece.topology)
     order = np.argsort(piece.vertices, kind="stable")
-    row = order[np.searchsorted(piece.vertices, vertices, sorter=order)]
-    fine = sp.csr_array(limit_rows(rules, step.child, step.vertex_row[row]) @ step.matrix)
-    return sp.csr_array((fine.data, piece.vertices[fine.indices], fine.indptr), shape=(len(vertices), t.vertex_count))
+    return piece, order[np.searchsorted(piece.vertices, vertices, sorter=order)]

@@ -18,17 +18,18 @@ def along(weights, v, sharpness):  # type: ignore[no-untyped-def]
 
 @kernel
 def refined_points(  # type: ignore[no-untyped-def]
-    face_offsets, face_vertices, following, twin, edge, sharpness, weights, ends, side, face_points, points
+    face_offsets, face_vertices, following, twin, edge, sharpness, weights, ends, side, dimension, points
 ):
     """Apply the rules of `subdfit.schemes._stencils.Stencils` to points (n, 3).
 
     Returns
     -------
     ndarray
-        (n + e, 3) or, with `face_points`, (n + e + f, 3): vertices, middles of edges, centroids of faces.
+        Of dimension 0: vertices (n, 3); of 1: middles of edges too, (n + e, 3); of 2: centroids of faces too,
+        (n + e + f, 3).
     """
     n, e, f = len(points), len(sharpness), len(face_offsets) - 1
-    out = np.zeros((n + e + (f if face_points else 0), 3))
+    out = np.zeros((n + (e if dimension > 0 else 0) + (f if dimension > 1 else 0), 3))
     for v in range(n):
         for d in range(3):
             out[v, d] = weights[v, 0] * points[v, d]
@@ -40,7 +41,7 @@ def refined_points(  # type: ignore[no-untyped-def]
             x, y, z = x + points[v, 0], y + points[v, 1], z + points[v, 2]
         share = 1.0 / (end - begin)
         x, y, z = x * share, y * share, z * share
-        if face_points:
+        if dimension > 1:
             out[n + e + face, 0], out[n + e + face, 1], out[n + e + face, 2] = x, y, z
         for h in range(begin, end):
             v, w = face_vertices[h], face_vertices[following[h]]
@@ -53,6 +54,8 @@ def refined_points(  # type: ignore[no-untyped-def]
                 back = weights[w, 3] + weights[w, 4]
                 for d in range(3):
                     out[w, d] += back * points[v, d]
+            if dimension == 0:
+                continue
             crease = min(s, 1.0)
             smooth = 1.0 - crease
             at = n + edge[h]

@@ -71,21 +71,9 @@ class Stencils:
 
     def apply(self, points: Floats) -> Floats:
         """New positions from points (n, 3): vertices, middles of edges, and centroids of faces if they get points."""
-        t, rules = self.topology, self.rules
-        found: Floats = kernels.refined_points(
-            t.face_offsets,
-            t.face_vertices,
-            t.following,
-            t.twin,
-            t.edge,
-            t.sharpness,
-            self.weights,
-            rules.ends,
-            rules.side,
-            rules.face_points,
-            np.ascontiguousarray(points, np.float64),
-        )
-        return found
+        rules = self.rules
+        dimension = 2 if rules.face_points else 1
+        return _masked(self.topology, self.weights, rules.ends, rules.side, dimension, points)
 
     @cached_property
     def matrix(self) -> sp.csr_array:
@@ -164,3 +152,15 @@ def mask_rows(t: Topology, weights: Floats) -> sp.csr_array:
     """Rows of vertex masks, (n, n), from the weights (n, 5) that `Stencils.weights` describes."""
     offsets, columns, values = kernels.mask_rows(t.face_offsets, t.face_vertices, t.edge_vertices, t.sharpness, weights)
     return sp.csr_array((values, columns, offsets), shape=(t.vertex_count, t.vertex_count))
+
+
+def mask_points(t: Topology, weights: Floats, points: Floats) -> Floats:
+    """What `mask_rows` makes of points (n, 3), without the rows."""
+    return _masked(t, weights, 0.0, 0.0, 0, points)
+
+
+def _masked(t: Topology, weights: Floats, ends: float, side: float, dimension: int, points: Floats) -> Floats:
+    given = np.ascontiguousarray(points, np.float64)
+    mesh = (t.face_offsets, t.face_vertices, t.following, t.twin, t.edge, t.sharpness)
+    found: Floats = kernels.refined_points(*mesh, weights, ends, side, dimension, given)
+    return found

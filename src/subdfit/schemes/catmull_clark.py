@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 
 from subdfit.mesh.topology import Topology
 from subdfit.schemes._cells import face_cells
 from subdfit.schemes._compile import compile_patches
-from subdfit.schemes._limits import LimitRules, limit_rows
+from subdfit.schemes._limits import LimitRules, limit_points, limit_rows
 from subdfit.schemes._quad_patches import QuadPatches
 from subdfit.schemes._stencils import SmoothRules, Stencils, VertexMask, later
 from subdfit.schemes.domain import Domain
@@ -46,8 +47,15 @@ class CatmullClark:
 
     def limit_rows(self, topology: Topology) -> sp.csr_array:
         """Limit masks of all vertices: smooth, crease and boundary, dart, corner; semi-sharp ones by refining first."""
-        patches = QuadPatches(self.refine)
-        return limit_rows(LimitRules(_limit_mask, patches.limit_mask, 4, self.refine), topology)
+        return limit_rows(self._limits, topology)
+
+    def limit_points(self, topology: Topology, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Limit points of control points."""
+        return limit_points(self._limits, topology, points)
+
+    @property
+    def _limits(self) -> LimitRules:
+        return LimitRules(_limit_mask, QuadPatches(self.refine).limit_mask, 4, self.refine)
 
     def patches(self, topology: Topology) -> PatchTable:
         """Compile for exact evaluation: one bicubic patch a cell, several where rules or irregular corners part it."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 
 from subdfit.errors import InputError
 from subdfit.mesh.topology import Topology
@@ -80,6 +81,17 @@ class DooSabin:
 
     def limit_rows(self, topology: Topology) -> sp.csr_array:
         """Limit of each vertex: the mean of the new vertices that stand for it, inside or on its curve."""
+        mean, rows, matrix = self._limits(topology)
+        limits = mean @ rows.matrix
+        return sp.csr_array(limits if matrix is None else limits @ matrix)
+
+    def limit_points(self, topology: Topology, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Limit points of control points."""
+        mean, rows, matrix = self._limits(topology)
+        return np.asarray(mean @ rows.apply(points if matrix is None else np.asarray(matrix @ points)))
+
+    def _limits(self, topology: Topology) -> tuple[sp.csr_array, DualRows, sp.csr_array | None]:
+        """Means over new vertices, (n, new); how these come from the vertices of a mesh; and those from the points."""
         whole, matrix = without_thin_vertices(topology)
         curves = Curves.of(whole)
         numbers = Numbers(curves)
@@ -88,8 +100,7 @@ class DooSabin:
         weight = 1 / np.bincount(vertex[stands], minlength=topology.vertex_count)[vertex[stands]]
         shape = (topology.vertex_count, numbers.vertex_count)
         mean = sp.csr_array((weight, (vertex[stands], stands)), shape=shape)
-        limits = mean @ DualRows(curves, numbers, self.averaging).matrix
-        return sp.csr_array(limits if matrix is None else limits @ matrix)
+        return mean, DualRows(curves, numbers, self.averaging), matrix
 
     def patches(self, topology: Topology) -> PatchTable:
         """Compile for exact evaluation: one biquadratic patch a cell, four where both its ends are irregular."""

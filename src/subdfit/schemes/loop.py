@@ -12,7 +12,7 @@ from subdfit.mesh.topology import Topology
 from subdfit.schemes import _loop_kernels as kernels
 from subdfit.schemes._cells import face_cells
 from subdfit.schemes._compile import compile_patches
-from subdfit.schemes._limits import LimitRules, limit_rows
+from subdfit.schemes._limits import LimitRules, limit_points, limit_rows
 from subdfit.schemes._loop_types import limit_mask as dart_mask
 from subdfit.schemes._loop_types import vertex_alpha
 from subdfit.schemes._stencils import SmoothRules, Stencils, VertexMask, later
@@ -60,7 +60,15 @@ class Loop:
 
     def limit_rows(self, topology: Topology) -> sp.csr_array:
         """Limit masks of all vertices: smooth, crease and boundary, dart, corner; semi-sharp ones by refining first."""
-        return limit_rows(LimitRules(_limit_mask, dart_mask, 3, self.refine), topology)
+        return limit_rows(self._limits, topology)
+
+    def limit_points(self, topology: Topology, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Limit points of control points."""
+        return limit_points(self._limits, topology, points)
+
+    @property
+    def _limits(self) -> LimitRules:
+        return LimitRules(_limit_mask, dart_mask, 3, self.refine)
 
     def patches(self, topology: Topology) -> PatchTable:
         """Compile for exact evaluation: one patch a face, several where rules or irregular corners part it."""

@@ -95,6 +95,10 @@ class Scheme(Protocol):
         """Return the (n, n) sparse matrix from control points to their limit points."""
         ...
 
+    def limit_points(self, topology: Topology, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the limit points (n, 3) of control points, without that matrix where the scheme can."""
+        ...
+
     def patches(self, topology: Topology) -> PatchTable:
         """Return the topology compiled for exact evaluation."""
         ...
