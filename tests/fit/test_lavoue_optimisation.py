@@ -1,0 +1,112 @@
+"""Squared-distance optimisation: known surfaces found again, and faster than point to point (Figure 9)."""
+
+import numpy as np
+import pytest
+
+import subdfit
+from subdfit.errors import InputError
+from subdfit.fit.lavoue_optimisation import distance_metric, optimise, refined_limit_rows
+from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.mesh.topology import Topology
+from subdfit.schemes import scheme_named
+from subdfit.target.curvature import curvature_field
+from subdfit.target.target import mesh_target, point_target
+
+
+def patch(scheme, n=6):
+    """A wavy square of n x n control points, of quads or of triangles."""
+    x, y = np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
+    points = np.stack([x, y, 0.8 * np.sin(x) * np.cos(0.7 * y)], -1).reshape(-1, 3) / n
+    i = np.arange(n * n).reshape(n, n)
+    quads = np.stack([i[:-1, :-1], i[1:, :-1], i[1:, 1:], i[:-1, 1:]], -1).reshape(-1, 4)
+    faces = quads if scheme == "catmull-clark" else np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    offsets = np.arange(len(faces) + 1) * faces.shape[1]
+    return ControlMesh(Topology.from_faces(offsets, faces.ravel(), n * n), points, scheme)
+
+
+def dense(mesh):
+    found = subdfit.subdivide(mesh, 4, limit=True)
+    data = found.to_data()
+    triangles = data.face_vertices.reshape(-1, 3 + (mesh.scheme == "catmull-clark"))
+    if triangles.shape[1] == 4:
+        triangles = np.concatenate([triangles[:, [0, 1, 2]], triangles[:, [0, 2, 3]]])
+    target = mesh_target(data.points, triangles, creases="none")
+    return target, curvature_field(target.points, target.triangles, 0.08)
+
+
+def inner(mesh):
+    flags = np.ones(len(mesh.points), np.bool_)
+    flags[mesh.topology.edge_vertices[mesh.topology.boundary_edges]] = False
+    return flags
+
+
+def spoiled(mesh, size=0.12):
+    """A bad start: inner control points pushed about, along the surface most of all."""
+    moved = mesh.points.copy()
+    rows = inner(mesh)
+    moved[rows] += size * np.random.default_rng(2).uniform(-1, 1, (rows.sum(), 3)) * [1, 1, 0.6]
+    return mesh.with_points(moved)
+
+
+@pytest.mark.parametrize("scheme", ["loop", "catmull-clark"])
+def test_rows_are_limits_after_refinement(scheme):
+    mesh = patch(scheme)
+    C = refined_limit_rows(mesh.topology, scheme_named(scheme), 2)
+    np.testing.assert_allclose(C @ mesh.points, subdfit.subdivide(mesh, 2, limit=True).points, atol=1e-14)
+    np.testing.assert_allclose(C.sum(axis=1), 1, atol=1e-14)
+
+
+@pytest.mark.parametrize("scheme", ["loop", "catmull-clark"])
+def test_figure_9(scheme):
+    """From the same bad start the squared distance is ahead of the footpoints after one round and after five."""
+    mesh = patch(scheme)
+    target, field = dense(mesh)
+    start, held = spoiled(mesh), ~inner(mesh)
+    ours = optimise(start, target, field, fixed=held)
+    theirs = optimise(start, target, field, fixed=held, metric="point")
+    assert ours.mean[0] == theirs.mean[0] > 5e-3
+    assert ours.mean[1] < theirs.mean[1]
+    assert ours.mean[5] < 0.5 * theirs.mean[5]
+    assert ours.mean[5] < 0.1 * ours.mean[0]
+
+
+def test_fixed_control_points_stay():
+    mesh = patch("loop")
+    target, field = dense(mesh)
+    held = ~inner(mesh)
+    found = optimise(spoiled(mesh), target, field, fixed=held, rounds=2)
+    np.testing.assert_array_equal(found.mesh.points[held], mesh.points[held])
+    assert len(found.mean) == len(found.rms) == len(found.max) == 3
+
+
+def test_a_surface_on_its_target_stays():
+    mesh = patch("loop")
+    target, field = dense(mesh)
+    found = optimise(mesh, target, field, fixed=~inner(mesh), rounds=1)
+    assert np.abs(found.mesh.points - mesh.points).max() < 2e-3
+    assert found.max[1] < 1e-3
+
+
+def test_metric_is_the_squared_distance_to_a_sphere():
+    """Second differences of the true squared distance, on the side where eq. 1 with unsigned radii is exact."""
+    from trimesh.creation import icosphere
+
+    ball = icosphere(5)
+    field = curvature_field(ball.vertices, ball.faces, 0.15)
+    face, uv = np.arange(40), np.full((40, 2), 1 / 3)
+    foot = np.asarray(ball.vertices)[ball.faces[face]].mean(axis=1)
+    normal = foot / np.linalg.norm(foot, axis=1, keepdims=True)
+    for d, signed in ((0.3, False), (0.3, True), (-0.4, True)):
+        metric = distance_metric(field, face, uv, d * normal, signed=signed)
+        true = max(0.0, d / (1 + d))
+        np.testing.assert_allclose(np.trace(metric, axis1=1, axis2=2), 1 + 2 * true, atol=0.02)
+        np.testing.assert_allclose(np.einsum("ki,kij,kj->k", normal, metric, normal), 1, atol=0.01)
+
+
+def test_bad_calls_are_refused():
+    mesh = patch("loop")
+    target, field = dense(mesh)
+    with pytest.raises(InputError, match="faces"):
+        optimise(mesh, point_target(mesh.points), field)
+    with pytest.raises(InputError, match="metric"):
+        optimise(mesh, target, field, metric="chamfer")
