@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from shapes.parameters import CASES, surface_of
+from shapes.parameters import SOME, surface_of
 from shapes.zoo import grid_data, mesh_of
 from subdfit.initial import decimate
 from subdfit.initial.components import keep_components
@@ -16,8 +16,8 @@ from subdfit.mesh.repair import mend
 from subdfit.schemes import SCHEMES
 from subdfit.target.frame import Frame
 
-IDS = ["-".join(case).replace(" ", "_") for case in CASES]
-SMALL = [case for case in CASES if mesh_of(case[1]).topology.face_count < 60]
+IDS = ["-".join(case).replace(" ", "_") for case in SOME]
+SMALL = [case for case in SOME if mesh_of(case[1]).topology.face_count < 60]
 
 
 def interpolated(scheme, mesh):
@@ -30,7 +30,7 @@ def interpolated(scheme, mesh):
 # The energy
 
 
-@pytest.mark.parametrize("case", CASES, ids=IDS)
+@pytest.mark.parametrize("case", SOME, ids=IDS)
 def test_the_energy_is_a_form_that_knows_no_place(case):
     surface = surface_of(*case)
     K = thin_plate(surface)

@@ -3,21 +3,21 @@
 import numpy as np
 import pytest
 
-from shapes.parameters import CASES
+from shapes.parameters import SOME
 from shapes.zoo import mesh_of
 from subdfit import parallel
 from subdfit.interpolate import LimitOperator
 from subdfit.interpolate.null_space import NullSpace
 from subdfit.schemes import SCHEMES
 
-IDS = ["-".join(case).replace(" ", "_") for case in CASES]
+IDS = ["-".join(case).replace(" ", "_") for case in SOME]
 
 
 def operator_of(scheme, mesh):
     return LimitOperator.of(SCHEMES[scheme].limit_rows(mesh.topology))
 
 
-@pytest.fixture(params=CASES, ids=IDS)
+@pytest.fixture(params=SOME, ids=IDS)
 def case(request):
     """An operator, as it is and dense, and the topology."""
     scheme, name = request.param

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from shapes.parameters import CASES, size, surface_of
+from shapes.parameters import CASES, SOME, size, surface_of
 from subdfit.errors import InputError
 from subdfit.limit.tessellate import cut, grid_nodes, lattice
 from subdfit.mesh.topology import Topology
@@ -13,7 +13,7 @@ FOLDED = ("rhombic 2", "quad fan 2", "quad dart 2")
 """Round an inner vertex of two faces both cut off the same triangle: no mesh, though it covers the surface."""
 
 
-@pytest.mark.parametrize("segments", [1, 2, 5])
+@pytest.mark.parametrize("segments", [1, 5])
 @pytest.mark.parametrize(("scheme", "name"), [case for case in CASES if case[1] not in FOLDED])
 def test_lattice_has_the_topology_of_the_cells(scheme, name, segments):
     surface = surface_of(scheme, name)
@@ -33,7 +33,7 @@ def test_lattice_has_the_topology_of_the_cells(scheme, name, segments):
     assert euler[0] == euler[1] == corners - edges + domain.face_count
 
 
-@pytest.mark.parametrize(("scheme", "name"), CASES)
+@pytest.mark.parametrize(("scheme", "name"), SOME)
 def test_lattice_triangles_lie_in_their_cell(scheme, name):
     """Every triangle's corners are where its own cell puts them, though a neighbour may have lent the vertex."""
     segments = 3
