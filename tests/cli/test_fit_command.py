@@ -169,11 +169,18 @@ def test_places_that_cannot_be_written_fail_before_the_work(option, sphere, tmp_
     assert not list(tmp_path.iterdir())
 
 
-def test_a_cloud_of_points_is_refused(sphere, tmp_path, capsys):
-    cloud = tmp_path / "cloud.xyz"
-    np.savetxt(cloud, subdfit.read(sphere).points)
-    assert main(["fit", str(cloud), "-o", str(tmp_path / "a.obj"), "--quiet"]) == 2
-    assert capsys.readouterr().err == "subdfit: error: cloud.xyz: has points only; give a mesh with faces\n"
+def test_a_cloud_of_points_is_fitted_and_its_outliers_are_listed(sphere, tmp_path):
+    cloud, document = tmp_path / "cloud.xyz", tmp_path / "a.json"
+    points = subdfit.read(sphere).points
+    points[[7, 400]] *= 1.5
+    np.savetxt(cloud, points)
+    call = ["fit", str(cloud), "-o", str(tmp_path / "a.obj"), "--max-error", "0.5%", "--json", str(document), "--quiet"]
+    assert main(call) == 0
+    said = json.loads(document.read_text())
+    assert said["certified"]
+    assert said["errors"]["excluded"] == 2
+    assert said["excluded_rows"] == [7, 400]
+    assert main([*call, "--robust", "100%"]) == 2
 
 
 def test_the_options_of_the_geometric_method_reach_it(sphere, tmp_path):

@@ -4,10 +4,10 @@ import time
 from collections.abc import Callable
 from typing import Any, Literal
 
-from subdfit.api.lengths import Length, parse_bytes, parse_length
+from subdfit.api.lengths import Length, parse_bytes, parse_length, parse_share
 from subdfit.api.result import FitResult
 from subdfit.api.sources import MeshSource
-from subdfit.api.targets import Preparation, check_count, prepare, stages
+from subdfit.api.targets import Preparation, check_count, joined, prepare, stages
 from subdfit.api.workers import workers
 from subdfit.compiled import compile_clock
 from subdfit.errors import InputError
@@ -16,6 +16,9 @@ from subdfit.measure import Tolerance
 from subdfit.schemes import scheme_named
 
 DEFAULT_MAX_ERROR = "0.1%"
+
+CLOUD_SHARE = 0.005
+"""Share of a cloud's points that may be left out where nothing else is said; of a mesh's none."""
 
 
 def fit(
@@ -36,6 +39,7 @@ def fit(
     repair: bool = False,
     keep_components: int | None = None,
     fill_holes: int | None = None,
+    robust: float | str | None = None,
     progress: Callable[[Progress], None] | None = None,
     unit: str | None = None,
     seed: int = 0,
@@ -43,6 +47,9 @@ def fit(
     memory: int | str | None = None,
 ) -> FitResult:
     """Fit a control mesh whose limit surface lies within a tolerance of the target.
+
+    A cloud of points is joined to a mesh first (see `subdfit.reconstruct`), which serves to begin with and as a guide
+    between the points; fitted and certified is to the points.
 
     Parameters
     ----------
@@ -74,6 +81,10 @@ def fit(
         Keep so many of the largest components.
     fill_holes
         Close holes of at most so many edges.
+    robust
+        Share of the data points that may be left out as outliers, such as ``"0.5%"``: the worst of those beyond the
+        largest error asked (beyond four standard deviations where none is); the result lists them. None is 0.5 % for
+        clouds, and 0 for meshes.
     progress
         Called after every iteration with a `Progress`, whose control mesh is usable as it is.
     unit
@@ -105,14 +116,13 @@ def fit(
     lengths = tolerances(max_error, rms_error, mean_error)
     if not any(lengths.values()):
         lengths["max"] = parse_length(DEFAULT_MAX_ERROR, "max_error")
+    share = parse_share(robust, "robust")
     how = Preparation(creases, repair, keep_components, fill_holes, parse_bytes(memory))
     _check(scheme, method, boundary, control_vertices, max_control_vertices, seed)
     _check_relaxation(over_relaxation)
     begun, compiled = time.perf_counter(), compile_clock.seconds
     with workers(threads):
-        ready = prepare(target, how)
-        if not ready.target.is_mesh:
-            raise InputError(f"{ready.name}: has points only; give a mesh with faces")
+        ready = joined(prepare(target, how), how.creases)
         stages.info("first control mesh")
         settings = FitSettings(
             scheme=scheme,
@@ -120,6 +130,7 @@ def fit(
             tolerance=shares(lengths, ready.target.diagonal),
             control_vertices=control_vertices,
             max_control_vertices=max_control_vertices,
+            robust=CLOUD_SHARE * ready.target.cloud if share is None else share,
             fixed_boundary=boundary == "fixed",
             over_relaxation=over_relaxation,
             nesterov=nesterov,

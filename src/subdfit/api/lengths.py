@@ -41,6 +41,26 @@ def parse_length(given: float | str | None, name: str) -> Length | None:
     return Length(value / 100 if relative else value, relative)
 
 
+def parse_share(given: float | str | None, name: str) -> float | None:
+    """Read a share: a number from 0 to less than 1, or a string such as ``"0.5%"``.
+
+    Raises
+    ------
+    InputError
+        It is nothing of the kind; `name` says which option it is.
+    """
+    if given is None:
+        return None
+    text = str(given).strip()
+    try:
+        value = float(text.removesuffix("%")) / (100 if text.endswith("%") else 1)
+    except ValueError:
+        value = math.nan
+    if isinstance(given, bool) or not 0 <= value < 1:
+        raise InputError(f"{name} is '{given}'; give a share such as 0.5%, from 0 to less than 100%")
+    return value
+
+
 def parse_bytes(given: int | float | str | None) -> int | None:
     """Read an amount of memory: bytes, or a number with K, M, G or T (powers of 1024).
 

@@ -45,6 +45,8 @@ class FitResult(fit.FitResult):
         """The object that ``--json`` writes; errors are shares of the diagonal."""
         document = super().to_dict()
         settings = document["settings"]
+        if self.settings.robust and self.target is not None:
+            document["excluded_rows"] = self.target.used[self.measurement.excluded].tolist()
         return document | {"settings": tolerance_dict(settings.pop("tolerance")) | settings | (self.asked or {})}
 
 

@@ -15,9 +15,10 @@ from subdfit.api.triangulate import triangles_of
 from subdfit.errors import InputError
 from subdfit.initial.components import keep_components
 from subdfit.initial.holes import fill_holes
+from subdfit.initial.reconstruct import reconstruct
 from subdfit.mesh.data import MeshData
 from subdfit.mesh.repair import mend
-from subdfit.target.target import Creases, Target, mesh_target, point_target
+from subdfit.target.target import Creases, Target, cloud_target, mesh_target, point_target
 
 logger = logging.getLogger(__name__)
 stages = logging.getLogger("subdfit.api.stages")
@@ -94,6 +95,25 @@ def _cloud(data: MeshData, how: Preparation, name: str) -> Target:
     if how.keep_components is not None or how.fill_holes is not None:
         raise InputError(f"{name}: has points only, and so no components or holes; leave these options out")
     return point_target(data.points, data.normals)
+
+
+def joined(ready: Prepared, creases: Creases) -> Prepared:
+    """A cloud with the triangles that guide a fit to it; meshes as they are.
+
+    Raises
+    ------
+    InputError
+        No clean surface passes through the points.
+    """
+    if ready.target.is_mesh:
+        return ready
+    clock = time.perf_counter()
+    stages.info("joining points")
+    points, normals = ready.target.points, ready.target.normals
+    found = reconstruct(points, normals if normals.any() else None, name=ready.name)
+    sharp: Creases = "none" if creases == "auto" else creases
+    target = cloud_target(points, found.point_rows[found.triangles], creases=sharp)
+    return Prepared(target, ready.name, ready.seconds | {"reconstruct": time.perf_counter() - clock})
 
 
 def _mesh(data: MeshData, how: Preparation, name: str) -> Target:

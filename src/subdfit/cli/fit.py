@@ -24,13 +24,16 @@ def add_parser(commands: Any) -> None:
     """Add the command to the parser's commands."""
     parser = commands.add_parser(
         "fit",
-        help="dense mesh -> control mesh within tolerance",
-        description="Fit a light control mesh whose limit surface lies within a tolerance of a dense mesh.",
+        help="dense mesh or points -> control mesh within tolerance",
+        description="Fit a light control mesh whose limit surface lies within a tolerance of a dense mesh or "
+        "of points.",
         epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
-    parser.add_argument("target", metavar="TARGET", help="dense mesh: .ply .obj .off .stl .glb .gltf .json")
+    parser.add_argument(
+        "target", metavar="TARGET", help="dense mesh: .ply .obj .off .stl .glb .gltf .json; points: .ply .xyz"
+    )
     parser.add_argument(
         "-o",
         "--output",
@@ -65,6 +68,12 @@ def _add_method(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--boundary", choices=("fit", "fixed"), default="fit", help="move boundary vertices, or not (default: fit)"
     )
+    group.add_argument(
+        "--robust",
+        metavar="SHARE",
+        help="share of the points that may be left out as outliers; they are listed (default: 0.5%% of a cloud, 0 of a "
+        "mesh)",
+    )
     group.add_argument("--seed", metavar="N", type=int, default=0, help="of random numbers; no method draws any today")
     group = parser.add_argument_group("the method geometric")
     group.add_argument(
@@ -97,7 +106,7 @@ def run(args: argparse.Namespace, console: Console) -> int:
 
 def fit_arguments(args: argparse.Namespace) -> dict[str, Any]:
     """Arguments of `subdfit.fit` for the command's options."""
-    names = ("scheme", "method", "control_vertices", "max_control_vertices", "boundary", "seed")
+    names = ("scheme", "method", "control_vertices", "max_control_vertices", "boundary", "robust", "seed")
     geometric = ("over_relaxation", "nesterov", "boundary_step")
     return options.target_arguments(args) | {name: getattr(args, name) for name in (*names, *geometric)}
 

@@ -34,6 +34,8 @@ LATE_DAMPING = 1e-2
 """Least damping after a late split, which has few points to hold it."""
 NEARLY = 1.5
 """Errors within this many tolerances are nearly there: the reverse side is looked at."""
+ROBUST = 3.0
+"""Points farther than so many tolerances pull no harder, where outliers are expected."""
 DAMPING_RANGE = (1e-6, 1.0)
 """Levenberg damping falls by 3 after a step that is kept and rises by 10 after one that is not, within this range."""
 GIVE = 1.05
@@ -47,7 +49,8 @@ class Auto:
 
     def __init__(self, settings: FitSettings, weights: TangentSettings | None = None) -> None:
         self.settings = settings
-        self.weights = weights or TangentSettings()
+        robust = ROBUST * error_that_matters(settings.tolerance) if settings.robust else np.inf
+        self.weights = weights or TangentSettings(robust=robust)
         self._damping = self.weights.damping
         self._begun = self._drawn = False
         self._seen: tuple[FitState, Samples] | None = None
@@ -129,7 +132,7 @@ class Auto:
     def _strays(self, state: FitState) -> Samples:
         """Samples of the surface that stray by half the tolerance or more."""
         bound = self.settings.tolerance.max
-        if bound is None:
+        if bound is None or state.data.target.cloud:
             return Samples.none()
         if self._seen is None or self._seen[0] is not state:
             self._seen = (state, strays(state.surface, state.data.target, bound / 2))

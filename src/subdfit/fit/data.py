@@ -1,6 +1,6 @@
 """The data of a fit: points in the normalised frame, which of them lie on curves, what each is allowed."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -20,7 +20,8 @@ class FitData:
     ----------
     points : (k, 3), the target's used vertices, then samples inside large faces.
     vertices : how many of them are vertices.
-    allowance : (k,), what a point may lie off beyond the tolerance: 0 for vertices, a sample's face's sagitta.
+    allowance : (k,), what a point may lie off beyond the tolerance: 0 for vertices, a sample's face's sagitta; infinite
+        for a vertex that is left out as an outlier.
     boundary, crease : rows of the points that lie on the target's boundary, on its creases.
     target : the target itself, in the normalised frame.
     """
@@ -39,7 +40,7 @@ class FitData:
         row = np.full(len(target.points), -1, np.int64)
         row[used] = np.arange(len(used))
         points, allowance = target.points[used], np.zeros(len(used))
-        if target.is_mesh:
+        if target.is_mesh and not target.cloud:
             triangle, uv = face_samples(target.points, target.triangles, spacing)
             points = np.concatenate([points, target.on_triangles(triangle, uv)])
             if len(triangle):
@@ -70,10 +71,32 @@ class FitData:
         corners = self.target.points[self.target.triangles]
         return float(np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).mean())
 
+    def without(self, outliers: NDArray[np.int64]) -> "FitData":
+        """The same data with these vertices left out, and no others."""
+        allowance = self.allowance.copy()
+        allowance[: self.vertices] = 0.0
+        allowance[outliers] = np.inf
+        return replace(self, allowance=allowance)
+
+    @cached_property
+    def suspects(self) -> NDArray[np.int64]:
+        """Vertices that the target's triangles leave out."""
+        on_mesh = np.zeros(len(self.target.points), np.bool_)
+        on_mesh[self.target.triangles] = True
+        return np.flatnonzero(~on_mesh[self.target.used])
+
+    @property
+    def on_curves(self) -> NDArray[np.bool_]:
+        """Which points lie on the boundary or a crease, (k,)."""
+        on = np.zeros(len(self.points), np.bool_)
+        on[self.boundary] = True
+        on[self.crease] = True
+        return on
+
     @property
     def surface_rows(self) -> NDArray[np.bool_]:
-        """Which points pull at the surface rather than at a curve, (k,)."""
-        inside = np.ones(len(self.points), np.bool_)
-        inside[self.boundary] = False
-        inside[self.crease] = False
+        """Which points pull at the surface, (k,): those on no curve, and those at the ragged boundary of a cloud."""
+        inside = ~self.on_curves
+        if self.target.cloud:
+            inside[self.boundary] = True
         return inside

@@ -17,10 +17,10 @@ from subdfit.fit.geometric import Geometric
 from subdfit.fit.result import FitResult, Iteration, Status
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
-from subdfit.fit.stop import badness, within
+from subdfit.fit.stop import badness, error_that_matters, within
 from subdfit.initial.start import start_mesh
 from subdfit.limit.surface import LimitSurface
-from subdfit.measure import Measurement, measure
+from subdfit.measure import Measurement, Outliers, measure
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.schemes import scheme_named
 from subdfit.target.frame import Frame
@@ -95,6 +95,10 @@ class _Run:
         iteration, vertices = self.first_within
         return len(self.history) - iteration > patience or count > REVERSE_GROWTH * vertices
 
+    def excused(self, state: FitState) -> FitState:
+        """The state with its outliers left out, where that is allowed."""
+        return state.excusing(self.settings.robust, self.settings.tolerance.max)
+
     def outside(self, state: FitState) -> ControlMesh:
         """The state's control mesh in the target's coordinates."""
         mesh = state.surface.control_mesh
@@ -144,11 +148,12 @@ def fit_target(
     clock = time.perf_counter()
     inside = target.normalised(run.frame)
     data = FitData.of(inside, settings.sample_spacing)
+    scale = settings.tolerance.max or error_that_matters(settings.tolerance)
     faces = scheme_named(settings.scheme).faces
-    mesh = start_mesh(inside, settings.control_vertices, settings.tolerance.max, settings.max_control_vertices, faces)
+    mesh = start_mesh(inside, settings.control_vertices, scale, settings.max_control_vertices, faces)
     run.timed("start", clock)
     clock = time.perf_counter()
-    state = FitState.start(data, LimitSurface(mesh, settings.scheme))
+    state = run.excused(FitState.start(data, LimitSurface(mesh, settings.scheme)))
     run.timed("footpoints", clock)
     interrupted, measurement = False, None
     clock = time.perf_counter()
@@ -172,10 +177,10 @@ def _iterate(run: _Run, state: FitState) -> tuple[FitState, Measurement | None]:
             measurement = _measured(run, state)
             if measurement.meets(settings.tolerance):
                 return state, measurement
-            state = state.verified()
+            state = run.excused(state.verified())
         if within(state, settings.tolerance) and run.spent_on_reverse(state, fitter.patience):
             return state, None
-        state = fitter.advance(state)
+        state = run.excused(fitter.advance(state))
         run.record("fit", state)
         if len(run.history) - run.best_iteration > fitter.patience:
             break
@@ -186,14 +191,16 @@ def _iterate(run: _Run, state: FitState) -> tuple[FitState, Measurement | None]:
 def _measured(run: _Run, state: FitState) -> Measurement:
     """The measurement of a state, from nothing."""
     clock = time.perf_counter()
-    found = measure(state.surface, state.data.target, run.settings.sample_spacing, run.frame.diagonal)
+    settings = run.settings
+    allowed = Outliers(settings.robust, settings.tolerance.max)
+    found = measure(state.surface, state.data.target, settings.sample_spacing, run.frame.diagonal, allowed)
     run.timed("certificate", clock)
     return found
 
 
 def _result(run: _Run, state: FitState, measurement: Measurement, interrupted: bool, unit: str | None) -> FitResult:
     tolerance = run.settings.tolerance
-    certified = measurement.certifies(tolerance, cloud=not run.target.is_mesh)
+    certified = measurement.certifies(tolerance, cloud=run.target.cloud)
     status: Status = (
         "interrupted" if interrupted else ("within_tolerance" if measurement.meets(tolerance) else "best_effort")
     )

@@ -50,7 +50,7 @@ class Faults:
 def curve_sides(state: FitState, tolerance: float) -> Flags:
     """Sides, (h,), whose boundary or crease points lie farther from the curve than `tolerance`."""
     marks = np.zeros(len(state.surface.topology.twin), np.bool_)
-    for found, curves in zip((state.boundary, state.crease), state.curves, strict=True):
+    for found, curves in zip(state.held, state.curves, strict=True):
         if found is None or curves is None:
             continue
         worst = np.zeros(len(curves))

@@ -131,6 +131,6 @@ def errors_dict(m: Measurement) -> dict[str, Any]:
         "reverse_mean": m.reverse_mean,
         "boundary": asdict(m.boundary) if m.boundary else None,
         "crease": asdict(m.crease) if m.crease else None,
-        "excluded": 0,
+        "excluded": len(m.excluded),
         "target_faceting": m.faceting,
     }

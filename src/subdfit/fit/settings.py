@@ -16,6 +16,7 @@ class FitSettings:
     tolerance : what must hold.
     control_vertices : vertices of the first control mesh; None chooses from the tolerance.
     max_control_vertices : budget; None is unbounded.
+    robust : share of the data points that may be left out as outliers; 0 leaves out none.
     fixed_boundary : the boundary of the first control mesh stays where it is.
     max_iterations : after so many iterations the best so far is returned.
     sample_spacing : faces of the target with longer sides are sampled inside.
@@ -29,6 +30,7 @@ class FitSettings:
     tolerance: Tolerance = field(default_factory=lambda: Tolerance(max=1e-3))
     control_vertices: int | None = None
     max_control_vertices: int | None = None
+    robust: float = 0.0
     fixed_boundary: bool = False
     max_iterations: int = 120
     sample_spacing: float = 0.02

@@ -11,6 +11,7 @@ from subdfit.fit.data import FitData
 from subdfit.fit.places import Places
 from subdfit.limit._kernels import order_by_cell
 from subdfit.limit.surface import LimitSurface
+from subdfit.measure import far_points, outliers
 
 Floats = NDArray[np.float64]
 
@@ -20,9 +21,9 @@ FOOTPOINT_TOLERANCE = 1e-6
 
 @dataclass(frozen=True)
 class Errors:
-    """One-sided errors of the vertices, as shares of the diagonal; `excess` is the largest that tolerance applies to.
+    """One-sided errors of the vertices that are not left out, as shares of the diagonal.
 
-    `excess` also counts samples inside faces, each less its allowance.
+    `excess` is the largest that the tolerance applies to: it counts samples inside faces too, each less its allowance.
     """
 
     max: float
@@ -97,7 +98,7 @@ class FitState:
         count = np.bincount(face, minlength=topology.face_count)
         rank = np.arange(len(face)) - (np.cumsum(count) - count)[face]
         share = np.minimum(most * (np.diff(topology.face_offsets) - 2), count)[face]
-        keep = ~self.data.surface_rows
+        keep = self.data.on_curves
         keep[order[(rank + 1) * share // count[face] > rank * share // count[face]]] = True
         rows = np.flatnonzero(keep)
         data = self.data if len(rows) == len(keep) else self.data.subset(rows)
@@ -137,12 +138,32 @@ class FitState:
     def errors(self) -> Errors:
         """Errors of the vertices."""
         d = self.distance[: self.data.vertices]
+        d = d[np.isfinite(self.data.allowance[: self.data.vertices])]
         return Errors(
             float(d.max()), float(np.sqrt(np.mean(d**2))), float(d.mean()), float(self.excess.max(initial=0.0))
         )
 
     @property
+    def held(self) -> tuple[CurveProjection | None, CurveProjection | None]:
+        """The footpoints on boundary and creases that the tolerance applies to; a cloud's boundary is too ragged."""
+        return (None if self.data.target.cloud else self.boundary), self.crease
+
+    @property
     def curve_distances(self) -> Floats:
-        """Distances of boundary and crease points from their curves."""
-        parts = [c.distance for c in (self.boundary, self.crease) if c is not None]
+        """Distances of boundary and crease points from their curves, where the tolerance applies to them."""
+        parts = [c.distance for c in self.held if c is not None]
         return np.concatenate([np.empty(0), *parts])
+
+    def excusing(self, share: float, bound: float | None) -> "FitState":
+        """Leave outliers out of the errors and of what pulls: at most `share` of the points, those beyond `bound`.
+
+        As long as there are more such points they are the surface's fault, all but those that fit no mesh either.
+        """
+        most = int(share * self.data.vertices)
+        if most == 0:
+            return self
+        distance = self.distance[: self.data.vertices]
+        far = far_points(distance, bound)
+        if len(far) > most:
+            far = np.intersect1d(outliers(distance, share, bound), self.data.suspects)
+        return replace(self, data=self.data.without(far))

@@ -21,6 +21,9 @@ Floats = NDArray[np.float64]
 MOST_PULL = 300.0
 """A sample far off weighs at most this many times one that is near."""
 
+INNER = 0.99
+"""A point nearer to the surface than this share of its distance from the boundary curve lies inside the curve."""
+
 
 @dataclass(frozen=True)
 class TangentSettings:
@@ -30,17 +33,21 @@ class TangentSettings:
     ----------
     tangential : share of a point's pull that acts along the tangent plane.
     curve_weight : weight of a point on a curve against one on the surface.
+    enclosed : share of that weight for a point at a cloud's ragged boundary that lies on the surface already.
     fairness : weight of the displacement's Laplacian, against the mean weight of a control vertex.
     relaxation : weight that draws vertices within the tangent plane to the middle of their neighbours: without it they
         slide until the surface folds.
+    robust : distance beyond which a point's pull grows no more (Huber 1964).
     reverse_weight : weight of the samples of faces with few data points, drawn to the target.
     damping : the first Levenberg damping, against each control vertex's own weight.
     """
 
     tangential: float = 0.01
     curve_weight: float = 4.0
+    enclosed: float = 0.02
     fairness: float = 1e-3
     relaxation: float = 1e-3
+    robust: float = np.inf
     reverse_weight: float = 0.03
     damping: float = 1e-3
 
@@ -76,6 +83,8 @@ def surface_rows(state: FitState, settings: TangentSettings) -> Rows:
     beyond = np.maximum(distance - state.data.allowance[order], 0.0)
     residual *= np.divide(beyond, distance, out=np.zeros_like(distance), where=distance > 0)[:, None]
     kernels.squared_distance_metric(value.first, value.second, distance, settings.tangential, metric)
+    if settings.robust < np.inf:
+        metric *= (settings.robust / np.maximum(beyond, settings.robust))[:, None]
     return Rows(*state.surface.patch_weights(face, uv), metric, residual)
 
 
@@ -110,14 +119,34 @@ def _direction_metric(d: Floats, along: Floats | float, across: float) -> Floats
 
 def _curve_rows(state: FitState, curve: CurveProjection, rows: NDArray[np.int64], settings: TangentSettings) -> Rows:
     across = _direction_metric(curve.tangent, settings.tangential, 1 / settings.tangential)
-    metric = settings.curve_weight * across
+    metric = curve_weights(state, curve, rows, settings)[:, None] * across
     weights = state.surface.patch_weights(curve.face, curve.uv)
     return Rows(*weights, metric, state.data.points[rows] - curve.position)
 
 
+def huber(distance: Floats, scale: float) -> Floats:
+    """Squares of distances up to a scale, and beyond it lines that go on from them (Huber 1964)."""
+    near = np.minimum(distance, scale)
+    return np.asarray(near * (2 * distance - near))
+
+
+def curve_weights(
+    state: FitState, curve: CurveProjection, rows: NDArray[np.int64], settings: TangentSettings
+) -> Floats:
+    """Weight of each point on a curve: the surface is to enclose the ragged boundary of a cloud, not to halve it."""
+    weight = np.full(len(rows), settings.curve_weight)
+    if state.data.target.cloud and curve is state.boundary:
+        weight[state.distance[rows] < INNER * curve.distance] *= settings.enclosed
+    return weight
+
+
 def merit(state: FitState, samples: Samples, settings: TangentSettings, bound: float) -> float:
     """The energy that decides whether a step is kept: weighted squares of all distances, footpoints being new."""
-    inside = np.maximum(state.excess[state.data.surface_rows], 0.0)
-    curves = settings.curve_weight * np.sum(state.curve_distances**2)
+    inside = huber(np.maximum(state.excess[state.data.surface_rows], 0.0), settings.robust)
+    curves = sum(
+        np.sum(curve_weights(state, curve, rows, settings) * curve.distance**2)
+        for curve, rows in ((state.boundary, state.data.boundary), (state.crease, state.data.crease))
+        if curve is not None
+    )
     gaps = samples.gaps(state.surface)
-    return float(np.sum(inside**2) + curves + np.sum(pull(gaps, settings, bound) * gaps**2))
+    return float(np.sum(inside) + curves + np.sum(pull(gaps, settings, bound) * gaps**2))

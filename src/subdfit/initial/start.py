@@ -55,9 +55,10 @@ def start_mesh(
     """
     if not target.is_mesh:
         raise InputError("the target has points only; reconstruct a mesh from them first, or give faces")
+    used = np.unique(target.triangles)
     row = np.full(len(target.points), -1, np.int64)
-    row[target.used] = np.arange(len(target.used))
-    points, triangles, creases = target.points[target.used], row[target.triangles], row[target.crease_edges]
+    row[used] = np.arange(len(used))
+    points, triangles, creases = target.points[used], row[target.triangles], row[target.crease_edges]
     if vertices is not None:
         found = decimate(points, triangles, vertices, crease_edges=creases)
     else:

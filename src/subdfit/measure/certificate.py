@@ -4,7 +4,7 @@ Every number is found afresh: footpoints of all data points by a global search t
 the reverse side from samples of the surface, curves apart.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from subdfit.closest.curves import SurfaceCurves
 from subdfit.closest.projection import Projection, Projector
 from subdfit.limit.surface import LimitSurface
 from subdfit.limit.tessellate import lattice
+from subdfit.measure.outliers import NO_OUTLIERS, Outliers, outliers
 from subdfit.schemes.domain import QUAD, Domain
 from subdfit.target.sampling import face_samples
 from subdfit.target.target import Target
@@ -60,6 +61,7 @@ class Measurement:
     reverse_excess : how far samples of the surface lie off beyond the sagitta of the face they meet, at most.
     footpoints : of the data points, in the normalised frame.
     diagonal : in the caller's unit.
+    excluded : rows of `footpoints` that max, rms and mean leave out as outliers.
     """
 
     max: float
@@ -75,6 +77,7 @@ class Measurement:
     reverse_excess: float
     footpoints: Projection
     diagonal: float
+    excluded: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
 
     def meets(self, tolerance: Tolerance) -> bool:
         """Whether the data's side, samples inside large faces included, is within the tolerance."""
@@ -96,7 +99,9 @@ class Measurement:
         return self.reverse_excess <= bound
 
 
-def measure(surface: LimitSurface, target: Target, spacing: float, diagonal: float = 1.0) -> Measurement:
+def measure(
+    surface: LimitSurface, target: Target, spacing: float, diagonal: float = 1.0, allowed: Outliers = NO_OUTLIERS
+) -> Measurement:
     """Measure a surface against a target, both in the normalised frame.
 
     Parameters
@@ -109,24 +114,29 @@ def measure(surface: LimitSurface, target: Target, spacing: float, diagonal: flo
         Target faces with longer sides than this are sampled inside as well.
     diagonal
         The frame's diagonal, for the record.
+    allowed
+        What may be left out of max, rms and mean.
     """
     projector = Projector(surface)
     data = projector.certain(target.points[target.used])
+    excluded = outliers(data.distance, allowed.share, allowed.bound)
+    distance = np.delete(data.distance, excluded)
     reverse, reverse_allowance = _reverse(surface, target)
     return Measurement(
-        max=float(data.distance.max()),
-        rms=float(np.sqrt(np.mean(data.distance**2))),
-        mean=float(data.distance.mean()),
+        max=float(distance.max()),
+        rms=float(np.sqrt(np.mean(distance**2))),
+        mean=float(distance.mean()),
         reverse_max=float(reverse.max()),
         reverse_rms=float(np.sqrt(np.mean(reverse**2))),
         reverse_mean=float(reverse.mean()),
-        boundary=_curve_errors(surface, target, inner=False),
+        boundary=None if target.cloud else _curve_errors(surface, target, inner=False),
         crease=_curve_errors(surface, target, inner=True),
-        faceting=float(target.sagitta.max(initial=0.0)) if target.is_mesh else 0.0,
+        faceting=float(target.sagitta.max(initial=0.0)) if target.is_mesh and not target.cloud else 0.0,
         samples_excess=_samples_excess(projector, target, spacing),
         reverse_excess=float((reverse - reverse_allowance).max()),
         footpoints=data,
         diagonal=diagonal,
+        excluded=excluded,
     )
 
 
@@ -142,7 +152,7 @@ def reverse_segments(domain: Domain) -> int:
 
 
 def _reverse(surface: LimitSurface, target: Target) -> tuple[Floats, Floats]:
-    """Distances of surface samples from the target, and the sagitta each is allowed."""
+    """Distances of surface samples from the target, a cloud's triangles included, and the sagitta each is allowed."""
     grid = lattice(surface.domain, reverse_segments(surface.domain))
     samples = surface.evaluate(grid.face, grid.uv).position
     if not target.is_mesh:
@@ -152,7 +162,7 @@ def _reverse(surface: LimitSurface, target: Target) -> tuple[Floats, Floats]:
 
 
 def _samples_excess(projector: Projector, target: Target, spacing: float) -> float:
-    if not target.is_mesh:
+    if not target.is_mesh or target.cloud:
         return 0.0
     triangle, uv = face_samples(target.points, target.triangles, spacing)
     if len(triangle) == 0:

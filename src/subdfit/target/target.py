@@ -34,6 +34,7 @@ class Target:
     crease_edges : (c, 2) int64.
     used : (k,) int64, the points that count: those of triangles, or all of a point cloud.
     diagonal : length of the diagonal of the bounding box of the used points.
+    cloud : the triangles were made from the points: they guide, but only the points count as data.
     """
 
     points: NDArray[np.float64]
@@ -43,6 +44,7 @@ class Target:
     crease_edges: NDArray[np.int64]
     used: NDArray[np.int64]
     diagonal: float
+    cloud: bool = False
 
     @property
     def is_mesh(self) -> bool:
@@ -143,6 +145,15 @@ def point_target(points: NDArray[np.float64], normals: NDArray[np.float64] | Non
         used=np.arange(len(points)),
         diagonal=_diagonal(points),
     )
+
+
+def cloud_target(points: NDArray[np.float64], triangles: NDArray[np.integer], *, creases: Creases = "none") -> Target:
+    """Gather what is known of a point cloud and of a mesh through most of its points; arguments as for `mesh_target`.
+
+    All points count as data, those of no triangle too.
+    """
+    guide = mesh_target(points, triangles, creases=creases)
+    return replace(guide, used=np.arange(len(guide.points)), diagonal=_diagonal(guide.points), cloud=True)
 
 
 def _points(points: NDArray[np.float64]) -> NDArray[np.float64]:

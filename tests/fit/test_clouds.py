@@ -1,0 +1,140 @@
+"""Fits to clouds: judged by the points alone, whatever mesh was made of them."""
+
+import numpy as np
+import pytest
+
+import subdfit
+from subdfit.fit.data import FitData
+from subdfit.fit.state import FitState
+from subdfit.fit.tangent import huber
+from subdfit.limit.surface import LimitSurface
+from subdfit.measure import far_points, outliers
+from subdfit.mesh.topology import Topology
+from subdfit.target.target import cloud_target, mesh_target
+
+
+def random_sphere(count, seed=0):
+    points = np.random.default_rng(seed).standard_normal((count, 3))
+    return points / np.linalg.norm(points, axis=1, keepdims=True)
+
+
+def distances(result, points):
+    """Distances by a search of its own, as shares of the diagonal."""
+    found = subdfit.LimitSurface(result.control_mesh).closest(points).distance
+    return found / result.measurement.diagonal
+
+
+def radius_error(result):
+    count = result.surface.domain.face_count
+    fine = result.surface.evaluate(np.arange(count), np.full((count, 2), 0.3))
+    return np.abs(np.linalg.norm(fine.position, axis=1) - 1)
+
+
+def test_every_point_lies_within_the_tolerance():
+    points = random_sphere(3000)
+    result = subdfit.fit(points, max_error="0.1%", robust=0)
+    assert result.certified
+    assert len(result.measurement.excluded) == 0
+    assert distances(result, points).max() <= 1e-3 * (1 + 1e-6)
+    assert radius_error(result).max() < 3e-3 * result.measurement.diagonal
+    assert result.control_mesh.topology.vertex_count < 300
+
+
+def test_outliers_are_left_out_and_listed():
+    points = random_sphere(3000)
+    wild = np.arange(100, 3000, 300)
+    points[wild] *= np.linspace(1.1, 1.6, len(wild))[:, None]
+    result = subdfit.fit(points, max_error="0.2%")
+    assert result.certified
+    assert set(wild) <= set(result.measurement.excluded.tolist())
+    document = result.to_dict()
+    assert document["errors"]["excluded"] == len(document["excluded_rows"]) <= 0.005 * 3000
+    kept = np.delete(points, document["excluded_rows"], axis=0)
+    assert distances(result, kept).max() <= 2e-3 * (1 + 1e-6)
+    assert radius_error(result).max() < 4e-3 * result.measurement.diagonal
+
+
+def test_nothing_is_left_out_where_that_is_not_allowed():
+    points = random_sphere(2000)
+    points[5] *= 1.3
+    result = subdfit.fit(points, max_error="0.2%", robust=0, max_control_vertices=150)
+    assert result.status == "best_effort"
+    assert result.measurement.max > 0.01
+    assert result.to_dict()["errors"]["excluded"] == 0
+
+
+def test_meshes_leave_out_nothing_unless_told(ball):
+    points = ball.points.copy()
+    points[17] *= 1.05
+    target = (points, ball.triangles)
+    assert subdfit.fit(target, max_error="0.2%", max_control_vertices=200).status == "best_effort"
+    result = subdfit.fit(target, max_error="0.2%", robust="0.1%", max_control_vertices=200)
+    assert result.status == "within_tolerance"
+    assert 17 in result.measurement.excluded
+
+
+def test_noise_judged_by_rms_is_smoothed_not_followed():
+    rng = np.random.default_rng(1)
+    sigma = 0.01
+    points = random_sphere(6000) * (1 + sigma * rng.standard_normal((6000, 1)))
+    result = subdfit.fit(points, rms_error=1.1 * sigma)
+    assert result.status == "within_tolerance"
+    assert result.control_mesh.topology.vertex_count < 400
+    assert np.sqrt(np.mean(radius_error(result) ** 2)) < 0.5 * sigma
+
+
+def test_an_open_surface_covers_its_ragged_boundary():
+    points = random_sphere(6000)
+    points = points[points[:, 2] > 0]
+    result = subdfit.fit(points, max_error="0.2%")
+    assert result.certified
+    kept = np.delete(np.arange(len(points)), result.measurement.excluded)
+    assert distances(result, points[kept]).max() <= 2e-3 * (1 + 1e-6)
+    topology = result.control_mesh.topology
+    assert topology.vertex_count - topology.edge_count + topology.face_count == 1
+    assert result.control_mesh.points[:, 2].min() > -0.15
+
+
+@pytest.mark.parametrize("bound", [0.5, None])
+def test_outliers_are_the_worst_beyond_the_bound_and_no_more_than_allowed(bound):
+    distance = np.abs(np.random.default_rng(2).standard_normal(1000)) * 0.1
+    distance[[3, 500, 999]] = [5.0, 7.0, 6.0]
+    assert outliers(distance, 0.01, bound).tolist() == [3, 500, 999]
+    assert outliers(distance, 0.002, bound).tolist() == [500, 999]
+    assert outliers(distance, 0.0, bound).size == 0
+    assert set(far_points(distance, bound)) >= {3, 500, 999}
+    assert outliers(np.full(50, 0.4), 0.5, 0.5).size == 0
+
+
+def test_huber_meets_its_tangent():
+    d, scale = np.linspace(0, 3, 301), 1.0
+    value = huber(d, scale)
+    np.testing.assert_allclose(value[d <= 1], d[d <= 1] ** 2)
+    np.testing.assert_allclose(np.diff(value)[d[:-1] >= 1], 2 * scale * 0.01)
+    np.testing.assert_array_equal(huber(d, np.inf), d**2)
+
+
+def test_points_off_the_triangles_count_and_are_suspects(ball):
+    points = np.concatenate([ball.points, [[0.0, 0.0, 1.3]]])
+    target = cloud_target(points, ball.triangles)
+    assert target.used.tolist() == list(range(len(points)))
+    data = FitData.of(target, spacing=1e-3)
+    assert data.vertices == len(data.points) == len(points)
+    assert data.suspects.tolist() == [len(points) - 1]
+    guide = mesh_target(ball.points, ball.triangles)
+    state = FitState.start(data, LimitSurface(subdfit.fit((guide.points, guide.triangles)).control_mesh))
+    assert state.errors.max > 0.29
+    assert state.excusing(1e-3, 0.05).errors.max < 0.05
+    assert state.excusing(0.0, 0.05) is state
+
+
+def test_real_clouds(meshes):
+    smooth = subdfit.fit(meshes / "kitten_points.ply", max_error="0.2%")
+    noisy = subdfit.fit(meshes / "mechpart_points_synthetic_noisy.ply", rms_error="0.25%")
+    for result, most in ((smooth, 500), (noisy, 900)):
+        assert result.certified
+        assert result.control_mesh.topology.vertex_count <= most
+        assert len(result.measurement.excluded) <= 0.005 * len(result.target.points)
+    topology = smooth.control_mesh.topology
+    assert isinstance(topology, Topology)
+    assert topology.vertex_count - topology.edge_count + topology.face_count == 0
