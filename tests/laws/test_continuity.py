@@ -6,7 +6,12 @@ import pytest
 from shapes.parameters import CORNERS, DUAL, along_side, sides, size
 from shapes.sectors import corners_of
 
-FLAT_SECTORS = {"loop": (5, 2), "catmull-clark": (3, 1), **dict.fromkeys(DUAL, (99, 1))}
+FLAT_SECTORS = {
+    "loop": (5, 2),
+    "catmull-clark": (3, 1),
+    **dict.fromkeys(DUAL, (99, 1)),
+    "quad-triangle": (3, 1),
+}
 """Most cells in a sector between two sharp edges for which a tangent plane exists: at a crease vertex, at a corner.
 
 For Loop the subdominant eigenvalues of a crease vertex are 1/2 (along) and 3/8 + cos(pi/k)/4 (across) up to k = 5; at
@@ -14,7 +19,7 @@ k = 6 the next one reaches 1/2. A corner's two sharp edges (1/2) are subdominant
 eigenvalue of a crease vertex is .410 at k = 3 and reaches 1/2 at k = 4, that of a corner at k = 2.
 """
 
-SLOW_SECTORS = {"loop": (5,), "catmull-clark": (1, 3), **dict.fromkeys(DUAL, ())}
+SLOW_SECTORS = {"loop": (5,), "catmull-clark": (1, 3), **dict.fromkeys(DUAL, ()), "quad-triangle": (1, 3)}
 """Cells in sectors at crease vertices in which normals converge too slowly to be tested by a distance.
 
 For Loop .488 / .5 a level; for Catmull-Clark .410 / .5, and like 1 / level in a single cell (a Jordan block of 1/4).

@@ -48,17 +48,27 @@ def before(surface, other, order, turn, reverse, cell):
         old, n = order[cell], size[order[cell]][:, None]
         corner = ((n - 1 - np.arange(4) if reverse else np.arange(4)) + turn[cell][:, None]) % n
         return old, DOMAIN_CORNERS[n, corner]
-    # One cell a face corner, which it keeps; a dual scheme has none for some.
-    begin = np.cumsum([0, *size[order]])
-    corners = face_corners(t) if surface.scheme.name in DUAL else np.arange(domain.face_count)
-    if surface.scheme.name in DUAL:
+    # One cell a face corner, which it keeps, and one in the middle of a face that stays a triangle; a dual scheme has
+    # none for some.
+    dual = surface.scheme.name in DUAL
+    cells = np.where((size == 3) & (surface.scheme.faces == "mixed"), 4, size)
+    begin, begin_before = np.cumsum([0, *cells[order]]), np.cumsum([0, *cells])
+    corners = face_corners(t) if dual else np.arange(domain.face_count)
+    if dual:
         cell = face_corners(other)[cell]
     face = np.searchsorted(begin, cell, side="right") - 1
-    n, place = size[order[face]], cell - begin[face]
-    corner = ((n - 1 - place if reverse else place) + turn[face]) % n
+    old, place = order[face], cell - begin[face]
+    n = size[old]
+
+    def corner_of(k):
+        return ((n - 1 - k if reverse else k) + turn[face]) % n
+
+    child = begin_before[old] + np.where(place < n, corner_of(place), place)
     turned = [0, 3, 2, 1] if reverse else [0, 1, 2, 3]
-    old = np.searchsorted(corners, t.face_offsets[order[face]] + corner)
-    return old, np.broadcast_to(DOMAIN_CORNERS[4][turned], (len(cell), 4, 2))
+    child = np.searchsorted(corners, child)
+    triangle = (domain.shape[child] == TRIANGLE)[:, None]
+    corner = np.where(triangle, np.stack([corner_of(k) for k in range(4)], axis=1), turned)
+    return child, DOMAIN_CORNERS[domain.shape[child].astype(int)[:, None], corner]
 
 
 def check_renumbered(surface, vertex, order, turn, reverse):

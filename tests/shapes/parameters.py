@@ -5,6 +5,7 @@ from functools import cache
 import numpy as np
 
 from shapes.curved import CURVED
+from shapes.mixed import MIXED
 from shapes.polygons import POLYGONS
 from shapes.zoo import ZOO, mesh_of
 from subdfit.errors import InputError
@@ -26,6 +27,9 @@ DUAL_TASTE = ("two triangles", "half fan 2", "half fan 8", "crease ring", "creas
 
 AVERAGING_TASTE = ("tetrahedron", "prism 8", "house", "hanging", "open dodecahedron", "crease across", "starred fan")
 """Shapes with faces that are no quads, on which alone the masks differ."""
+
+SEAMLESS_TASTE = ("boundary dart 6", "parted 6 2", "house", "hanging", "quad dart", "half quad fan 3")
+"""Meshes without seams, or with larger faces, that the scheme for triangles and quads sees too."""
 
 
 @cache
@@ -50,6 +54,8 @@ def names_for(scheme):
         names = (*names, *DUAL_TASTE, *CURVED)
     elif scheme in DUAL:
         names = AVERAGING_TASTE
+    elif scheme == "quad-triangle":
+        names = (*SEAMLESS_TASTE, *MIXED)
     return [name for name in names if takes(scheme, mesh_of(name))]
 
 
@@ -133,7 +139,8 @@ def parents(scheme, topology):
         # The mesh's cells are the faces of the refined mesh already.
         return np.arange(domain.face_count), np.array([_padded(CORNERS[int(n)]) for n in domain.shape])
     cell = np.repeat(np.arange(domain.face_count), 4)
-    return cell, np.concatenate([[_padded(quarter) for quarter in QUARTERS[int(n)]] for n in domain.shape])
+    padded = {n: np.array([_padded(quarter) for quarter in quarters]) for n, quarters in QUARTERS.items()}
+    return cell, np.concatenate([padded[int(n)] for n in domain.shape])
 
 
 def dual_parents(child):

@@ -304,6 +304,7 @@ ZOO: dict[str, Shape] = {
 def mesh_of(name: str) -> ControlMesh:
     """Return a shape of the zoo, made once."""
     from shapes.curved import CURVED
+    from shapes.mixed import MIXED
     from shapes.polygons import POLYGONS
 
-    return (ZOO | POLYGONS | CURVED)[name]()
+    return (ZOO | POLYGONS | CURVED | MIXED)[name]()

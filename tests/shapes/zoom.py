@@ -60,7 +60,7 @@ def zoom(scheme_name, mesh, cell, uv, levels=30):
     for level in range(levels):
         step = scheme.refine(topology)
         (cell,), uv, _ = child_of(scheme_name, topology, [cell], uv)
-        topology, points = step.child, step.matrix @ points
+        topology, points = step.child, step.refined(points)
         # Only from the second level on does a face's neighbourhood not touch itself again; cells are faces by then.
         if level >= 1 and scheme_name in DUAL:
             topology, points, cell = dual_neighbourhood(topology, points, cell)

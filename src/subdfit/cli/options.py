@@ -6,7 +6,7 @@ The names are repeated here because the registries they come from import compile
 import argparse
 from typing import Any
 
-SCHEMES = ("loop", "catmull-clark", "doo-sabin", "doo-sabin-averaging")
+SCHEMES = ("loop", "catmull-clark", "doo-sabin", "doo-sabin-averaging", "quad-triangle")
 METHODS = ("auto", "geometric")
 INTERPOLATION_METHODS = ("cg", "chebyshev", "over-relaxation", "progressive")
 

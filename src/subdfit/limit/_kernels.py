@@ -10,9 +10,12 @@ from subdfit.compiled import inlined_kernel, kernel
 TRIANGLE, QUAD = 3, 4
 """Shapes of cells, as in `subdfit.schemes.domain`."""
 
-SLOTS = 10
+KEPT = 10
 """Coefficient sets kept while the cell does not change: the sub-patches of three levels, and one for all deeper."""
-
+PATHS = 128
+"""Paths of three steps into a strip, as numbers in base four after a leading one."""
+SLOTS = KEPT + PATHS
+"""Those kept, and those at the ends of paths into a strip; the first two of these serve all longer paths by turns."""
 
 NEAR_LEVEL = 30
 """Level of refinement at which a point counts as very near an irregular corner."""
@@ -31,7 +34,11 @@ class Patches(NamedTuple):
     type_size: np.ndarray
     type_levels: np.ndarray
     type_offset: np.ndarray
+    type_strips: np.ndarray
     matrices: np.ndarray
+    strip_parts: np.ndarray
+    strip_matrices: np.ndarray
+    strip_levels: int
     positions: np.ndarray
 
 
@@ -75,13 +82,14 @@ def part(shape, x, y):  # type: ignore[no-untyped-def]
 
 @inlined_kernel
 def locate(patches, cell, u, v):  # type: ignore[no-untyped-def]
-    """Find the polynomial under (u, v) of a cell.
+    """Find the polynomial or the strip under (u, v) of a cell.
 
     Returns
     -------
     patch : row of the patch.
     block : which matrix of its type.
-    x, y : the polynomial's own parameters.
+    strip : the strip that this leads to, -1 for a polynomial.
+    x, y : the polynomial's (or strip's) own parameters.
     xu, xv, yu, yv : derivatives of x, y by u, v. At an irregular corner itself, where the scheme's own derivatives
         vanish or diverge, the polynomial holds limit tangents instead, scaled as at a regular corner.
     """
@@ -93,32 +101,34 @@ def locate(patches, cell, u, v):  # type: ignore[no-untyped-def]
         x, y, scale = factor * x + shift_x, factor * y + shift_y, factor * scale
         patch = patches.node_children[~patch, i]
     x, y, xu, xv, yu, yv = turned(shape, patches.patch_corner[patch], x, y, scale, 0.0, 0.0, scale)
-    levels = patches.type_levels[patches.patch_type[patch]]
+    kind = patches.patch_type[patch]
+    levels = patches.type_levels[kind]
     if levels == 0:
-        return patch, 0, x, y, xu, xv, yu, yv
+        return patch, 0, patches.type_strips[kind, 0], x, y, xu, xv, yu, yv
     reach = max(x, y) if shape == QUAD else x + y
     level = levels + 1
     if reach > 0.0:
         level = max(1, 1 - math.frexp(reach)[1])
     if level > levels:
-        return patch, 3 * levels, 0.0, 0.0, xu, xv, yu, yv
+        return patch, 3 * levels, -1, 0.0, 0.0, xu, xv, yu, yv
     finer = math.ldexp(1.0, level)
     x, y = x * finer, y * finer
-    block = 3 * (level - 1)
+    sub = 0
     if shape == QUAD:
         if x >= 1.0 and y >= 1.0:
-            block, x, y = block + 2, x - 1, y - 1
+            sub, x, y = 2, x - 1, y - 1
         elif x >= 1.0:
             x -= 1
         else:
-            block, y = block + 1, y - 1
+            sub, y = 1, y - 1
     elif x >= 1.0:
         x -= 1
     elif y >= 1.0:
-        block, y = block + 1, y - 1
+        sub, y = 1, y - 1
     else:
-        block, x, y, finer = block + 2, 1 - x, 1 - y, -finer
-    return patch, block, x, y, xu * finer, xv * finer, yu * finer, yv * finer
+        sub, x, y, finer = 2, 1 - x, 1 - y, -finer
+    block, strip = 3 * (level - 1) + sub, patches.type_strips[kind, sub]
+    return patch, block, strip, x, y, xu * finer, xv * finer, yu * finer, yv * finer
 
 
 @kernel
@@ -219,12 +229,72 @@ def second_order(shape, c, o, x, y):  # type: ignore[no-untyped-def]
 @inlined_kernel
 def coefficients(patches, patch, block, cache, tags):  # type: ignore[no-untyped-def]
     """Return where in `cache` (48 SLOTS,) the polynomial's coefficients lie, gathered only if not there yet."""
-    slot = min(block, SLOTS - 1)
+    slot = min(block, KEPT - 1)
     tag = np.int64(patch) << 16 | block
     if tags[slot] != tag:
         gather(patches, patch, block, cache, 48 * slot)
         tags[slot] = tag
     return 48 * slot
+
+
+@kernel
+def strip_step(matrices, strip, i, cache, c, to):  # type: ignore[no-untyped-def]
+    """Write the numbers of part `i` of a strip, or of the polynomial that stands for it (4), into ``cache[to:]``."""
+    for row in range(0, 16, 4):
+        x0 = x1 = x2 = x3 = 0.0
+        y0 = y1 = y2 = y3 = 0.0
+        z0 = z1 = z2 = z3 = 0.0
+        for k in range(16):
+            x, y, z = cache[c + k], cache[c + 16 + k], cache[c + 32 + k]
+            m0, m1 = matrices[strip, i, k, row], matrices[strip, i, k, row + 1]
+            m2, m3 = matrices[strip, i, k, row + 2], matrices[strip, i, k, row + 3]
+            x0, x1, x2, x3 = x0 + m0 * x, x1 + m1 * x, x2 + m2 * x, x3 + m3 * x
+            y0, y1, y2, y3 = y0 + m0 * y, y1 + m1 * y, y2 + m2 * y, y3 + m3 * y
+            z0, z1, z2, z3 = z0 + m0 * z, z1 + m1 * z, z2 + m2 * z, z3 + m3 * z
+        at = to + row
+        cache[at], cache[at + 1], cache[at + 2], cache[at + 3] = x0, x1, x2, x3
+        cache[at + 16], cache[at + 17], cache[at + 18], cache[at + 19] = y0, y1, y2, y3
+        cache[at + 32], cache[at + 33], cache[at + 34], cache[at + 35] = z0, z1, z2, z3
+
+
+@kernel
+def into_strip(patches, shape, strip, x, y, cache, tags, c, tag):  # type: ignore[no-untyped-def]
+    """Go from a strip, whose numbers are at ``cache[c:]``, to the polynomial under its (x, y).
+
+    Returns
+    -------
+    c : where the coefficients lie.
+    x, y : the polynomial's own parameters; scale : their derivatives by the strip's.
+    """
+    parts, matrices = patches.strip_parts, patches.strip_matrices
+    scale, path = 1.0, 1
+    to, other = KEPT, KEPT + 1
+    for _ in range(patches.strip_levels):
+        i, factor, shift_x, shift_y = part(shape, x, y)
+        x, y, scale = factor * x + shift_x, factor * y + shift_y, factor * scale
+        path = min(4 * path + i, PATHS)
+        if path == PATHS:
+            strip_step(matrices, strip, i, cache, c, 48 * to)
+            c, to, other = 48 * to, other, to
+        else:
+            if tags[KEPT + path] != tag:
+                strip_step(matrices, strip, i, cache, c, 48 * (KEPT + path))
+                tags[KEPT + path] = tag
+            c = 48 * (KEPT + path)
+        strip = parts[strip, i]
+        if strip < 0:
+            return c, x, y, scale
+    strip_step(matrices, strip, 4, cache, c, 48 * to)
+    return 48 * to, x, y, scale
+
+
+@inlined_kernel
+def polynomial(patches, shape, patch, block, strip, x, y, cache, tags):  # type: ignore[no-untyped-def]
+    """The polynomial that `locate` found, at the end of the strip if there is one; returns as `into_strip` does."""
+    c = coefficients(patches, patch, block, cache, tags)
+    if strip < 0:
+        return c, x, y, 1.0
+    return into_strip(patches, shape, strip, x, y, cache, tags, c, np.int64(patch) << 16 | block)
 
 
 @kernel
@@ -238,8 +308,9 @@ def evaluate(patches, cell, uv, order, start, stop, derivatives, position, first
     for n in range(start, stop):
         k = order[n]
         shape = patches.cell_shape[cell[k]]
-        patch, block, x, y, xu, xv, yu, yv = locate(patches, cell[k], uv[k, 0], uv[k, 1])
-        c = coefficients(patches, patch, block, cache, tags)
+        patch, block, strip, x, y, xu, xv, yu, yv = locate(patches, cell[k], uv[k, 0], uv[k, 1])
+        c, x, y, scale = polynomial(patches, shape, patch, block, strip, x, y, cache, tags)
+        xu, xv, yu, yv = scale * xu, scale * xv, scale * yu, scale * yv
         if derivatives == 0:
             for d in range(3):
                 position[k, d] = first_order(shape, cache, c + 16 * d, x, y)[0]
@@ -296,6 +367,37 @@ def row_sizes(patches, cell, uv):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def way_into_strip(patches, shape, strip, x, y, way):  # type: ignore[no-untyped-def]
+    """Write the steps of `into_strip` into `way`, each as 5 strip + part; returns their number, x, y and scale."""
+    scale = 1.0
+    steps = 0
+    while strip >= 0:
+        if steps == patches.strip_levels:
+            way[steps] = 5 * strip + 4
+            return steps + 1, x, y, scale
+        i, factor, shift_x, shift_y = part(shape, x, y)
+        x, y, scale = factor * x + shift_x, factor * y + shift_y, factor * scale
+        way[steps] = 5 * strip + i
+        steps += 1
+        strip = patches.strip_parts[strip, i]
+    return steps, x, y, scale
+
+
+@kernel
+def back_from_strip(matrices, way, steps, row):  # type: ignore[no-untyped-def]
+    """Turn a row over the coefficients at the end of `way` into one over the numbers at its beginning."""
+    before = np.empty(16)
+    for step in range(steps - 1, -1, -1):
+        strip, i = way[step] // 5, way[step] % 5
+        for k in range(16):
+            total = 0.0
+            for r in range(16):
+                total += matrices[strip, i, k, r] * row[r]
+            before[k] = total
+        row[:] = before
+
+
+@kernel
 def weights(patches, cell, uv, offsets, start, stop, derivative, columns, values):  # type: ignore[no-untyped-def]
     """Write the sparse rows of points ``start`` to ``stop``: weights of patch points.
 
@@ -304,10 +406,14 @@ def weights(patches, cell, uv, offsets, start, stop, derivative, columns, values
     powers_x = np.ones(5)
     powers_y = np.ones(5)
     monomial = np.zeros(16)
+    way = np.empty(patches.strip_levels + 1, np.int64)
     matrices, points = patches.matrices, patches.patch_points
     for k in range(start, stop):
-        quad = patches.cell_shape[cell[k]] == QUAD
-        patch, block, x, y, xu, xv, yu, yv = locate(patches, cell[k], uv[k, 0], uv[k, 1])
+        shape = patches.cell_shape[cell[k]]
+        quad = shape == QUAD
+        patch, block, strip, x, y, xu, xv, yu, yv = locate(patches, cell[k], uv[k, 0], uv[k, 1])
+        steps, x, y, scale = way_into_strip(patches, shape, strip, x, y, way)
+        xu, xv, yu, yv = scale * xu, scale * xv, scale * yu, scale * yv
         for i in range(1, 5):
             powers_x[i] = powers_x[i - 1] * x
             powers_y[i] = powers_y[i - 1] * y
@@ -332,6 +438,7 @@ def weights(patches, cell, uv, offsets, start, stop, derivative, columns, values
                 at += 1
         if at == 15:
             monomial[15] = 0.0
+        back_from_strip(patches.strip_matrices, way, steps, monomial)
         kind = patches.patch_type[patch]
         size = patches.type_size[kind]
         begin = patches.type_offset[kind] + 16 * block * size
@@ -344,9 +451,10 @@ def weights(patches, cell, uv, offsets, start, stop, derivative, columns, values
 
 
 @inlined_kernel
-def derivatives(patches, shape, patch, block, x, y, xu, xv, yu, yv, out, cache, tags):  # type: ignore[no-untyped-def]
-    """Write S, Su, Sv, Suu, Suv, Svv of a located polynomial into `out` (18,), three coordinates each."""
-    c = coefficients(patches, patch, block, cache, tags)
+def derivatives(patches, shape, patch, block, strip, x, y, xu, xv, yu, yv, out, cache, tags):  # type: ignore[no-untyped-def]
+    """Write S, Su, Sv, Suu, Suv, Svv of what `locate` found into `out` (18,), three coordinates each."""
+    c, x, y, scale = polynomial(patches, shape, patch, block, strip, x, y, cache, tags)
+    xu, xv, yu, yv = scale * xu, scale * xv, scale * yu, scale * yv
     for d in range(3):
         value, by_x, by_y = first_order(shape, cache, c + 16 * d, x, y)
         by_xx, by_xy, by_yy = second_order(shape, cache, c + 16 * d, x, y)
@@ -366,8 +474,8 @@ def expand(patches, cell, u, v, out, cache, tags):  # type: ignore[no-untyped-de
     the length of the limit tangents, and the second are zero.
     """
     shape = patches.cell_shape[cell]
-    patch, block, x, y, xu, xv, yu, yv = locate(patches, cell, u, v)
-    derivatives(patches, shape, patch, block, x, y, xu, xv, yu, yv, out, cache, tags)
+    patch, block, strip, x, y, xu, xv, yu, yv = locate(patches, cell, u, v)
+    derivatives(patches, shape, patch, block, strip, x, y, xu, xv, yu, yv, out, cache, tags)
     levels = patches.type_levels[patches.patch_type[patch]]
     if levels == 0 or block != 3 * levels:
         return
@@ -382,6 +490,7 @@ def expand(patches, cell, u, v, out, cache, tags):  # type: ignore[no-untyped-de
         shape,
         patch,
         3 * NEAR_LEVEL - 1,
+        patches.type_strips[patches.patch_type[patch], 2],
         0.5,
         0.5,
         turn * xu,

@@ -136,7 +136,11 @@ class LimitSurface:
             t.type_size,
             t.type_levels,
             t.type_offset,
+            t.type_strips,
             t.matrices,
+            t.strips.parts,
+            t.strips.matrices,
+            t.strips.levels,
             positions,
         )
 

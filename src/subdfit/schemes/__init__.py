@@ -4,9 +4,16 @@ from subdfit.errors import InputError
 from subdfit.schemes.catmull_clark import CatmullClark
 from subdfit.schemes.doo_sabin import DooSabin
 from subdfit.schemes.loop import Loop
+from subdfit.schemes.quad_triangle import QuadTriangle
 from subdfit.schemes.scheme import Refinement, Scheme
 
-_ALL: tuple[Scheme, ...] = (Loop(), CatmullClark(), DooSabin(), DooSabin("doo-sabin-averaging", averaging=True))
+_ALL: tuple[Scheme, ...] = (
+    Loop(),
+    CatmullClark(),
+    DooSabin(),
+    DooSabin("doo-sabin-averaging", averaging=True),
+    QuadTriangle(),
+)
 
 SCHEMES: dict[str, Scheme] = {scheme.name: scheme for scheme in _ALL}
 

@@ -15,7 +15,7 @@ from subdfit.schemes._doo_sabin_curves import Curves
 from subdfit.schemes._doo_sabin_masks import QUAD_CORNER_IMAGE, Face, mirrored_polygon
 from subdfit.schemes._doo_sabin_refine import DualRows
 from subdfit.schemes._doo_sabin_types import AVERAGING, CONE, ORIGINAL, OUTER, REGULAR, patch_matrices
-from subdfit.schemes.patch_table import LEVELS, PatchTable
+from subdfit.schemes.patch_table import LEVELS, NO_STRIPS, PatchTable
 
 Rows = NDArray[np.integer]
 
@@ -216,5 +216,7 @@ def _table(
         type_size=(types % KEY + OUTER).astype(np.int32),
         type_levels=np.where(types // KEY == REGULAR, 0, LEVELS).astype(np.int32),
         type_offset=np.cumsum([0, *(len(block) for block in blocks)])[:-1].astype(np.int64),
+        type_strips=np.full((len(types), 3), -1, np.int8),
         matrices=np.concatenate([np.empty(0), *blocks]),
+        strips=NO_STRIPS,
     )

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import scipy.sparse as sp
@@ -14,17 +15,50 @@ from subdfit.schemes._stencils import VertexMask, mask_points, mask_rows
 from subdfit.schemes.scheme import Refinement
 
 Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 Rows = NDArray[np.int64]
 
 
+class LimitMasks(NamedTuple):
+    """Limit masks of a mesh's vertices.
+
+    Attributes
+    ----------
+    weights : (n, 5), as in `Stencils.weights`; zero for those that follow.
+    ringed : (n,), vertices whose mask tells their neighbours apart.
+    waiting : (n,), vertices that have a mask only once they are refined.
+    """
+
+    weights: Floats
+    ringed: Flags
+    waiting: Flags
+
+
+class LimitRules(Protocol):
+    """What a scheme's limit masks are."""
+
+    def masks(self, t: Topology) -> LimitMasks:
+        """The masks of a mesh."""
+        ...
+
+    def ring_rows(self, level: Level, vertices: Flags) -> sp.csr_array:
+        """Rows (n, n) of vertices whose mask tells their neighbours apart; those of others are empty."""
+        ...
+
+    @property
+    def refine(self) -> Callable[[Topology], Refinement]:
+        """One step of the scheme."""
+        ...
+
+
 @dataclass(frozen=True)
-class LimitRules:
-    """What a scheme's limit masks are.
+class OneShapeLimits:
+    """Limit masks that treat neighbours alike but at darts, whose faces must all have one shape.
 
     Attributes
     ----------
     smooth : makes the limit masks of smooth vertices of a mesh.
-    ring : weights of a corner's vertex and its ring (see `rings`).
+    ring : weights of a dart and its ring (see `_ring`).
     corners : corners of the faces that a ring may have.
     refine : one step of the scheme.
     """
@@ -34,22 +68,47 @@ class LimitRules:
     corners: int
     refine: Callable[[Topology], Refinement]
 
+    def masks(self, t: Topology) -> LimitMasks:
+        """Smooth, crease, corner; darts by their rings, among faces of another size once refined."""
+        smooth, dart, crease, pinned = vertex_kinds(t)
+        weights = curve_weights(crease, pinned)
+        for column, weight in enumerate(self.smooth(t)):
+            weights[smooth, column] = weight[smooth]
+        return LimitMasks(weights, dart, semi_sharp(t) | dart & (_other_faces(t, self.corners) > 0))
+
+    def ring_rows(self, level: Level, vertices: Flags) -> sp.csr_array:
+        """Rows of darts, whose mask is not the smooth one because their sharp edge takes its midpoint."""
+        return _darts(self, level, vertices)
+
+
+def vertex_kinds(t: Topology) -> tuple[Flags, Flags, Flags, Flags]:
+    """Which vertices are smooth, darts, on a crease or the boundary, corners, (n,) each, by what is sharp for ever."""
+    count = sharp_edges_round(t, np.isinf(t.sharpness)[t.edge])
+    pinned = np.isinf(t.corner_sharpness) | (count >= 3)
+    smooth, dart, crease = (~pinned & (count == sharp) for sharp in range(3))
+    return smooth, dart, crease, pinned
+
+
+def curve_weights(crease: Flags, pinned: Flags) -> Floats:
+    """Weights (n, 5) of crease and boundary vertices, 1/6, 4/6, 1/6, and of corners."""
+    weights = np.zeros((len(crease), 5))
+    weights[crease, 0], weights[crease, 3] = 4 / 6, 1 / 6
+    weights[pinned, 0] = 1.0
+    return weights
+
 
 def limit_rows(rules: LimitRules, t: Topology, chosen: Rows | None = None) -> sp.csr_array:
-    """Limit masks of the chosen vertices (all by default): smooth, crease and boundary 1/6, 4/6, 1/6, corner, dart.
-
-    A vertex whose rules are going to change, and a dart among faces of another size, is refined first with what
-    surrounds it.
+    """Limit masks of the chosen vertices (all by default); those that wait are refined first with what surrounds them.
 
     Returns
     -------
     csr_array
         (chosen, n).
     """
-    weights, dart, waiting = _masks(rules, t)
-    matrix, dart = mask_rows(t, weights), dart & ~waiting
-    if dart.any():
-        matrix = sp.csr_array(matrix + _darts(rules, Level.of(t), dart))
+    weights, ringed, waiting = rules.masks(t)
+    matrix, ringed = mask_rows(t, weights), ringed & ~waiting
+    if ringed.any():
+        matrix = sp.csr_array(matrix + rules.ring_rows(Level.of(t), ringed))
     if chosen is not None:
         matrix, waiting = sp.csr_array(matrix[chosen]), waiting[chosen]
     rows = np.flatnonzero(waiting)
@@ -63,10 +122,10 @@ def limit_rows(rules: LimitRules, t: Topology, chosen: Rows | None = None) -> sp
 
 
 def limit_points(rules: LimitRules, t: Topology, points: Floats) -> Floats:
-    """The limit points (n, 3) that `limit_rows` makes of points, with rows only for darts and what is refined first."""
-    weights, dart, waiting = _masks(rules, t)
+    """The limit points (n, 3) that `limit_rows` makes of points, with rows only where a mask is not enough."""
+    weights, ringed, waiting = rules.masks(t)
     found = mask_points(t, weights, points)
-    rest = np.flatnonzero(dart | waiting)
+    rest = np.flatnonzero(ringed | waiting)
     if len(rest):
         piece, rows = _piece_round(t, rest)
         found[rest] = limit_rows(rules, piece.topology, rows) @ points[piece.vertices]
@@ -79,20 +138,7 @@ def _other_faces(t: Topology, corners: int) -> NDArray[np.int64]:
     return np.bincount(t.face_vertices[other], minlength=t.vertex_count)
 
 
-def _masks(rules: LimitRules, t: Topology) -> tuple[Floats, NDArray[np.bool_], NDArray[np.bool_]]:
-    """Weights (n, 5) of all masks but those of darts, which are zero; darts; and vertices to be refined first, (n,)."""
-    count = sharp_edges_round(t, np.isinf(t.sharpness)[t.edge])
-    pinned = np.isinf(t.corner_sharpness) | (count >= 3)
-    smooth, dart, crease = (~pinned & (count == sharp) for sharp in range(3))
-    weights = np.zeros((t.vertex_count, 5))
-    for column, weight in enumerate(rules.smooth(t)):
-        weights[:, column] = np.where(smooth, weight, 0.0)
-    weights[crease, 0], weights[crease, 3] = 4 / 6, 1 / 6
-    weights[pinned, 0] = 1.0
-    return weights, dart, semi_sharp(t) | dart & (_other_faces(t, rules.corners) > 0)
-
-
-def _darts(rules: LimitRules, level: Level, darts: NDArray[np.bool_]) -> sp.csr_array:
+def _darts(rules: OneShapeLimits, level: Level, darts: Flags) -> sp.csr_array:
     """Rows of darts, whose mask is not the smooth one because their sharp edge takes its midpoint."""
     t = level.topology
     rows: list[Rows] = []

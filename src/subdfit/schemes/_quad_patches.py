@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from subdfit.mesh.topology import Topology
 from subdfit.schemes import _quad_kernels as kernels
-from subdfit.schemes._compile import REGULAR
 from subdfit.schemes._corner_type import CornerType
 from subdfit.schemes._irregular import limit_mask, towards_corner
 from subdfit.schemes._level import Level
+from subdfit.schemes._one_shape import REGULAR, OneShapePatches
 from subdfit.schemes._tangents import limit_tangents
 from subdfit.schemes.patch_table import STRIDE
 from subdfit.schemes.scheme import Refinement
@@ -33,7 +33,7 @@ GRID += [(2, -1), (2, 0), (2, 1), (2, 2), (1, 2), (0, 2), (-1, 2)]
 
 
 @dataclass(frozen=True)
-class QuadPatches:
+class QuadPatches(OneShapePatches):
     """Patches of a scheme that is Catmull-Clark's around these quads; `refine` is the scheme's own."""
 
     refine: Callable[[Topology], Refinement]
@@ -132,7 +132,7 @@ def _irregular_matrices(rules: QuadPatches, kind: CornerType) -> Matrix:
     ring = 1 + kind.faces + kind.edges
     mask, tangents = np.zeros(len(smaller)), np.zeros((2, len(smaller)))
     mask[:ring] = limit_mask(smaller[:ring, :ring])
-    tangents[:, :ring] = limit_tangents(smaller[:ring, :ring], kind)
+    tangents[:, :ring] = limit_tangents(smaller[:ring, :ring], kind, 1 + 2 * np.arange(kind.edges))
     return towards_corner(smaller, [bicubic_basis() @ child for child in children], mask, tangents, (4, 1))
 
 

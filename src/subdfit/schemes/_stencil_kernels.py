@@ -18,18 +18,19 @@ def along(weights, v, sharpness):  # type: ignore[no-untyped-def]
 
 @kernel
 def refined_points(  # type: ignore[no-untyped-def]
-    face_offsets, face_vertices, following, twin, edge, sharpness, weights, ends, side, dimension, points
+    face_offsets, face_vertices, following, twin, edge, sharpness, weights, has_centroid, sides, vertices_only, points
 ):
     """Apply the rules of `subdfit.schemes._stencils.Stencils` to points (n, 3).
 
     Returns
     -------
     ndarray
-        Of dimension 0: vertices (n, 3); of 1: middles of edges too, (n + e, 3); of 2: centroids of faces too,
-        (n + e + f, 3).
+        Vertices (n, 3); unless these are all, middles of edges too, and the centroids of the c faces that have one,
+        (n + e + c, 3).
     """
     n, e, f = len(points), len(sharpness), len(face_offsets) - 1
-    out = np.zeros((n + (e if dimension > 0 else 0) + (f if dimension > 1 else 0), 3))
+    row = n + e
+    out = np.zeros((n if vertices_only else row + np.count_nonzero(has_centroid), 3))
     for v in range(n):
         for d in range(3):
             out[v, d] = weights[v, 0] * points[v, d]
@@ -41,12 +42,16 @@ def refined_points(  # type: ignore[no-untyped-def]
             x, y, z = x + points[v, 0], y + points[v, 1], z + points[v, 2]
         share = 1.0 / (end - begin)
         x, y, z = x * share, y * share, z * share
-        if dimension > 1:
-            out[n + e + face, 0], out[n + e + face, 1], out[n + e + face, 2] = x, y, z
+        counts = 1.0 if has_centroid[face] else 0.0
+        if has_centroid[face] and not vertices_only:
+            out[row, 0], out[row, 1], out[row, 2] = x, y, z
+            row += 1
+        kind = 0 if end - begin == 3 else 1
+        ends, side = sides[kind, 0], sides[kind, 1]
         for h in range(begin, end):
             v, w = face_vertices[h], face_vertices[following[h]]
             s = sharpness[edge[h]]
-            near, inner = along(weights, v, s), weights[v, 2]
+            near, inner = along(weights, v, s), counts * weights[v, 2]
             out[v, 0] += near * points[w, 0] + inner * x
             out[v, 1] += near * points[w, 1] + inner * y
             out[v, 2] += near * points[w, 2] + inner * z
@@ -54,7 +59,7 @@ def refined_points(  # type: ignore[no-untyped-def]
                 back = weights[w, 3] + weights[w, 4]
                 for d in range(3):
                     out[w, d] += back * points[v, d]
-            if dimension == 0:
+            if vertices_only:
                 continue
             crease = min(s, 1.0)
             smooth = 1.0 - crease
@@ -62,10 +67,9 @@ def refined_points(  # type: ignore[no-untyped-def]
             out[at, 0] += smooth * side * x
             out[at, 1] += smooth * side * y
             out[at, 2] += smooth * side * z
-            if twin[h] < h:
-                share = smooth * ends + crease * 0.5
-                for d in range(3):
-                    out[at, d] += share * (points[v, d] + points[w, d])
+            share = smooth * ends + (crease * 0.5 if twin[h] < h else 0.0)
+            for d in range(3):
+                out[at, d] += share * (points[v, d] + points[w, d])
     return out
 
 
@@ -85,7 +89,7 @@ def add_entry(columns, values, begin, end, column, value):  # type: ignore[no-un
 
 
 @kernel
-def mask_rows(face_offsets, face_vertices, edge_vertices, sharpness, weights):  # type: ignore[no-untyped-def]
+def mask_rows(face_offsets, face_vertices, edge_vertices, sharpness, weights, has_centroid):  # type: ignore[no-untyped-def]
     """Write the rows of vertex masks in CSR form, columns ascending, without zeros but on the diagonal.
 
     The columns of `weights` (n, 5) are those of `subdfit.schemes._stencils.Stencils.weights`.
@@ -103,7 +107,7 @@ def mask_rows(face_offsets, face_vertices, edge_vertices, sharpness, weights):  
                 room[v] += 1
     for f in range(faces):
         for h in range(face_offsets[f], face_offsets[f + 1]):
-            if weights[face_vertices[h], 2] != 0.0:
+            if has_centroid[f] and weights[face_vertices[h], 2] != 0.0:
                 room[face_vertices[h]] += face_offsets[f + 1] - face_offsets[f] - 1
     total = 0
     for v in range(n + 1):
@@ -123,7 +127,7 @@ def mask_rows(face_offsets, face_vertices, edge_vertices, sharpness, weights):  
         begin, stop = face_offsets[f], face_offsets[f + 1]
         for h in range(begin, stop):
             v = face_vertices[h]
-            if weights[v, 2] != 0.0:
+            if has_centroid[f] and weights[v, 2] != 0.0:
                 share = weights[v, 2] / (stop - begin)
                 for g in range(begin, stop):
                     ends[v] = add_entry(columns, values, room[v], ends[v], face_vertices[g], share)

@@ -29,6 +29,19 @@ class VertexMask(NamedTuple):
     centroid: Floats
 
 
+class SideWeights(NamedTuple):
+    """What a face adds to the new point of a smooth edge: of each end, and of the face's centroid."""
+
+    end: float
+    centroid: float
+
+
+BESIDE_TRIANGLE = SideWeights(1 / 16, 3 / 8)
+"""Two of them make Loop's edge rule 3/8, 3/8, 1/8, 1/8."""
+BESIDE_POLYGON = SideWeights(1 / 8, 1 / 4)
+"""Two of them make Catmull and Clark's edge rule, the mean of both ends and both centroids."""
+
+
 @dataclass(frozen=True)
 class SmoothRules:
     """The smooth rules of a scheme.
@@ -36,14 +49,19 @@ class SmoothRules:
     Attributes
     ----------
     vertex : makes the vertex rule of all vertices of a mesh.
-    ends, side : weights of an edge's two ends and of the centroids beside it.
-    face_points : whether faces get a point, their centroid.
+    triangle, polygon : what triangles and larger faces add to their edges' points.
+    centroids_from : corners from which on a face's centroid becomes a point and counts for vertices; 0 for none.
     """
 
     vertex: Callable[[Topology], VertexMask]
-    ends: float
-    side: float
-    face_points: bool
+    triangle: SideWeights
+    polygon: SideWeights
+    centroids_from: int
+
+    def has_centroid(self, t: Topology) -> Flags:
+        """Which faces' centroids become points, (f,)."""
+        size = np.diff(t.face_offsets)
+        return np.asarray((self.centroids_from > 0) & (size >= self.centroids_from))
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,27 +90,29 @@ class Stencils:
     def apply(self, points: Floats) -> Floats:
         """New positions from points (n, 3): vertices, middles of edges, and centroids of faces if they get points."""
         rules = self.rules
-        dimension = 2 if rules.face_points else 1
-        return _masked(self.topology, self.weights, rules.ends, rules.side, dimension, points)
+        sides = np.array([rules.triangle, rules.polygon])
+        return _masked(self.topology, self.weights, rules.has_centroid(self.topology), sides, False, points)
 
     @cached_property
     def matrix(self) -> sp.csr_array:
         """The same as a sparse matrix; its rows sum to one."""
         centroids = centroid_rows(self.topology)
-        blocks = [mask_rows(self.topology, self.weights), self._edge_rows(centroids)]
-        if self.rules.face_points:
-            blocks.append(centroids)
+        points = self.rules.has_centroid(self.topology)
+        masks = mask_rows(self.topology, self.weights, points)
+        blocks = [masks, self._edge_rows(centroids), centroids[np.flatnonzero(points)]]
         return sp.csr_array(sp.vstack(blocks, format="csr"))
 
     def _edge_rows(self, centroids: sp.csr_array) -> sp.csr_array:
         t, rules = self.topology, self.rules
         crease = np.minimum(t.sharpness, 1.0)
-        ends = (1 - crease) * rules.ends + crease / 2
+        triangle = np.diff(t.face_offsets)[t.face] == 3
+        side = np.where(triangle[:, None], rules.triangle, rules.polygon)
+        ends = (1 - crease) * np.bincount(t.edge, side[:, 0], t.edge_count) + crease / 2
         edges = np.arange(t.edge_count)
         shape = (t.edge_count, t.vertex_count)
         near = sp.csr_array((np.repeat(ends, 2), (np.repeat(edges, 2), t.edge_vertices.ravel())), shape=shape)
         smooth = np.flatnonzero(crease[t.edge] < 1)
-        values = (1 - crease[t.edge[smooth]]) * rules.side
+        values = (1 - crease[t.edge[smooth]]) * side[smooth, 1]
         beside = sp.csr_array((values, (t.edge[smooth], t.face[smooth])), shape=(t.edge_count, t.face_count))
         return sp.csr_array(near + beside @ centroids)
 
@@ -148,19 +168,27 @@ def centroid_rows(t: Topology) -> sp.csr_array:
     return sp.csr_array((1 / np.repeat(size, size), t.face_vertices, t.face_offsets), shape=shape)
 
 
-def mask_rows(t: Topology, weights: Floats) -> sp.csr_array:
-    """Rows of vertex masks, (n, n), from the weights (n, 5) that `Stencils.weights` describes."""
-    offsets, columns, values = kernels.mask_rows(t.face_offsets, t.face_vertices, t.edge_vertices, t.sharpness, weights)
+def mask_rows(t: Topology, weights: Floats, has_centroid: Flags | None = None) -> sp.csr_array:
+    """Rows of vertex masks, (n, n), from the weights (n, 5) that `Stencils.weights` describes.
+
+    The centroids of the given faces count, (f,); None stands for all.
+    """
+    counted = np.ones(t.face_count, np.bool_) if has_centroid is None else has_centroid
+    offsets, columns, values = kernels.mask_rows(
+        t.face_offsets, t.face_vertices, t.edge_vertices, t.sharpness, weights, counted
+    )
     return sp.csr_array((values, columns, offsets), shape=(t.vertex_count, t.vertex_count))
 
 
 def mask_points(t: Topology, weights: Floats, points: Floats) -> Floats:
-    """What `mask_rows` makes of points (n, 3), without the rows."""
-    return _masked(t, weights, 0.0, 0.0, 0, points)
+    """What `mask_rows`, with all centroids, makes of points (n, 3), without the rows."""
+    return _masked(t, weights, np.ones(t.face_count, np.bool_), np.zeros((2, 2)), True, points)
 
 
-def _masked(t: Topology, weights: Floats, ends: float, side: float, dimension: int, points: Floats) -> Floats:
+def _masked(
+    t: Topology, weights: Floats, has_centroid: Flags, sides: Floats, vertices_only: bool, points: Floats
+) -> Floats:
     given = np.ascontiguousarray(points, np.float64)
     mesh = (t.face_offsets, t.face_vertices, t.following, t.twin, t.edge, t.sharpness)
-    found: Floats = kernels.refined_points(*mesh, weights, ends, side, dimension, given)
+    found: Floats = kernels.refined_points(*mesh, weights, has_centroid, sides, vertices_only, given)
     return found

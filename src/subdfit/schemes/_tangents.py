@@ -10,7 +10,7 @@ from subdfit.schemes._irregular import limit_mask
 Matrix = NDArray[np.float64]
 
 
-def limit_tangents(step: Matrix, kind: CornerType) -> Matrix:
+def limit_tangents(step: Matrix, kind: CornerType, edge: NDArray[np.int64]) -> Matrix:
     """Weights of V and its ring for two limit tangents, along the two edges of the patch at V.
 
     They span the tangent plane where there is one, keep the direction of a crease's or the boundary's curve, and at a
@@ -19,18 +19,21 @@ def limit_tangents(step: Matrix, kind: CornerType) -> Matrix:
     Parameters
     ----------
     step
-        (r, r) subdivision of V and its ring: edge neighbours and face corners by turns.
+        (r, r) subdivision of V and its ring.
     kind
         The corner.
+    edge
+        Which of these points V's neighbours along edges are, counter-clockwise through the sector.
 
     Returns
     -------
     ndarray
         (2, r).
     """
-    edge = 1 + 2 * np.arange(kind.edges)
-    if kind.pinned or (kind.faces == 1 and not kind.closed):
-        # A corner's sharp edges keep their directions; a single quad's span its plane (k 4^-k beats 4^-k).
+    if kind.pinned and not kind.closed and _sharp_edges_span(step):
+        tangents = _projected(step, edge)
+    elif kind.pinned or (kind.faces == 1 and not kind.closed):
+        # A corner's sharp edges keep their directions; a single face's span its plane (k 4^-k beats 4^-k).
         tangents = np.eye(len(step))[edge] - np.eye(len(step))[0]
     elif kind.closed and kind.faces == 2 and not kind.dart:
         # No tangent plane: both faces fold flat along their two edges' common line, and 1/4, 1/4 and -1/4 lead.
@@ -40,6 +43,12 @@ def limit_tangents(step: Matrix, kind: CornerType) -> Matrix:
     else:
         tangents = _beside_crease(step, edge)
     return np.asarray(tangents[[kind.position, (kind.position + 1) % kind.edges]])
+
+
+def _sharp_edges_span(step: Matrix) -> bool:
+    """Whether a corner's two sharp edges, with their eigenvalues 1/2, outlive all else in the sector."""
+    size = np.sort(np.abs(np.linalg.eigvals(step)))[::-1]
+    return bool(size[1] < 1 / 2 + 1e-9 and (len(size) == 3 or size[3] < 1 / 2 - 1e-9))
 
 
 def _projected(step: Matrix, edge: NDArray[np.int64]) -> Matrix:

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from subdfit.mesh.topology import Topology
 from subdfit.schemes import _loop_kernels as kernels
-from subdfit.schemes._compile import REGULAR
 from subdfit.schemes._corner_type import CornerType
 from subdfit.schemes._level import Level
 from subdfit.schemes._loop_types import OUTER, irregular_matrices, regular_matrix
+from subdfit.schemes._one_shape import REGULAR, OneShapePatches
 from subdfit.schemes.scheme import Refinement
 
 Indices = NDArray[np.int32]
@@ -19,7 +19,7 @@ Rows = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
-class TrianglePatches:
+class TrianglePatches(OneShapePatches):
     """Patches of a scheme that is Loop's around these triangles; `refine` is the scheme's own."""
 
     refine: Callable[[Topology], Refinement]

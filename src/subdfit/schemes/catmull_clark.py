@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from subdfit.mesh.topology import Topology
 from subdfit.schemes._cells import face_cells
 from subdfit.schemes._compile import compile_patches
-from subdfit.schemes._limits import LimitRules, limit_points, limit_rows
+from subdfit.schemes._limits import OneShapeLimits, limit_points, limit_rows
 from subdfit.schemes._quad_patches import QuadPatches
-from subdfit.schemes._stencils import SmoothRules, Stencils, VertexMask, later
+from subdfit.schemes._stencils import BESIDE_POLYGON, SmoothRules, Stencils, VertexMask, later
 from subdfit.schemes.domain import Domain
 from subdfit.schemes.patch_table import PatchTable
 from subdfit.schemes.scheme import Faces, Refinement
@@ -54,8 +54,8 @@ class CatmullClark:
         return limit_points(self._limits, topology, points)
 
     @property
-    def _limits(self) -> LimitRules:
-        return LimitRules(_limit_mask, QuadPatches(self.refine).limit_mask, 4, self.refine)
+    def _limits(self) -> OneShapeLimits:
+        return OneShapeLimits(_limit_mask, QuadPatches(self.refine).limit_mask, 4, self.refine)
 
     def patches(self, topology: Topology) -> PatchTable:
         """Compile for exact evaluation: one bicubic patch a cell, several where rules or irregular corners part it."""
@@ -104,4 +104,4 @@ def _limit_mask(t: Topology) -> VertexMask:
     return VertexMask((n - 1) / (n + 5), 2 / (n * (n + 5)), 4 / (n * (n + 5)))
 
 
-_RULES = SmoothRules(_vertex_mask, ends=1 / 4, side=1 / 4, face_points=True)
+_RULES = SmoothRules(_vertex_mask, BESIDE_POLYGON, BESIDE_POLYGON, centroids_from=3)

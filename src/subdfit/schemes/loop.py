@@ -12,10 +12,10 @@ from subdfit.mesh.topology import Topology
 from subdfit.schemes import _loop_kernels as kernels
 from subdfit.schemes._cells import face_cells
 from subdfit.schemes._compile import compile_patches
-from subdfit.schemes._limits import LimitRules, limit_points, limit_rows
+from subdfit.schemes._limits import OneShapeLimits, limit_points, limit_rows
 from subdfit.schemes._loop_types import limit_mask as dart_mask
 from subdfit.schemes._loop_types import vertex_alpha
-from subdfit.schemes._stencils import SmoothRules, Stencils, VertexMask, later
+from subdfit.schemes._stencils import BESIDE_TRIANGLE, SmoothRules, Stencils, VertexMask, later
 from subdfit.schemes._triangle_patches import TrianglePatches
 from subdfit.schemes.domain import Domain
 from subdfit.schemes.patch_table import PatchTable
@@ -67,8 +67,8 @@ class Loop:
         return limit_points(self._limits, topology, points)
 
     @property
-    def _limits(self) -> LimitRules:
-        return LimitRules(_limit_mask, dart_mask, 3, self.refine)
+    def _limits(self) -> OneShapeLimits:
+        return OneShapeLimits(_limit_mask, dart_mask, 3, self.refine)
 
     def patches(self, topology: Topology) -> PatchTable:
         """Compile for exact evaluation: one patch a face, several where rules or irregular corners part it."""
@@ -93,5 +93,4 @@ def _limit_mask(t: Topology) -> VertexMask:
     return VertexMask(own, (1 - own) / t.valence, np.zeros(t.vertex_count))
 
 
-_RULES = SmoothRules(_vertex_mask, ends=1 / 8, side=3 / 8, face_points=False)
-"""The edge rule 3/8, 3/8, 1/8, 1/8 is 1/8 of each end and 3/8 of each centroid beside the edge."""
+_RULES = SmoothRules(_vertex_mask, BESIDE_TRIANGLE, BESIDE_TRIANGLE, centroids_from=0)

@@ -6,11 +6,17 @@ lists points and has a *type*. A regular type holds one matrix from those points
 the patch's (u, v). An irregular type has its irregular corner at (0, 0) and holds such matrices for the three regular
 sub-patches of every level of refinement towards that corner, and one, the last, for the corner itself.
 
+Along some lines a surface is no polynomial at all, however near one looks. A *strip* is what lies beside such a line.
+Where a matrix leads to a strip, its `STRIDE` numbers are no coefficients but stand for the strip: the first of its
+points, and the others relative to that. Further matrices take them to the numbers of its four parts, polynomials or
+strips again. After so many steps a polynomial that touches the surface in the corners stands for the strip.
+
 The points of patches are the control points followed by *local points*, fixed combinations of control points:
 refined vertices where a cell is cut, and mirror points beyond boundaries and creases.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -20,6 +26,42 @@ LEVELS = 52
 """Levels of refinement kept towards an irregular corner: below 2^-52 a parameter is the corner's."""
 STRIDE = 16
 """Coefficients stored a point, see `PatchTable.matrices`."""
+
+
+class PatchType(NamedTuple):
+    """A type of patches.
+
+    Attributes
+    ----------
+    size : points of a patch.
+    levels : 0 if regular, else `LEVELS`.
+    strips : the strip of each sub-patch (of a regular type's patch itself: the first), -1 for polynomials.
+    matrices : as in `PatchTable.matrices`.
+    """
+
+    size: int
+    levels: int
+    strips: tuple[int, int, int]
+    matrices: NDArray[np.float64]
+
+
+class Strips(NamedTuple):
+    """The strips of a scheme.
+
+    Attributes
+    ----------
+    parts : (s, 4) int8, the strip that each part of a strip is, -1 for a polynomial.
+    matrices : (s, 5, STRIDE, STRIDE), stored number by number like `PatchTable.matrices`: to the numbers of the parts,
+        and to the polynomial that stands for the strip in the end.
+    levels : steps into a strip before that.
+    """
+
+    parts: NDArray[np.int8]
+    matrices: NDArray[np.float64]
+    levels: int
+
+
+NO_STRIPS = Strips(np.empty((0, 4), np.int8), np.empty((0, 5, STRIDE, STRIDE)), 0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,10 +81,12 @@ class PatchTable:
     type_size : (t,) int32, points of a patch of that type.
     type_levels : (t,) int32, 0 for a regular type, else `LEVELS`.
     type_offset : (t,) int64, where its first matrix begins in `matrices`.
+    type_strips : (t, 3) int8, see `PatchType.strips`.
     matrices : float64; a matrix is stored point by point, `STRIDE` coefficients each: on triangles the 15 monomials
         u^i v^j, i + j <= 4, ordered by i then j, and a zero; on quads those with i, j <= 3. The sub-patch ``j`` =
         0, 1, 2 (beside the second corner, beside the last, between) of level ``l`` >= 1 is matrix ``3 (l - 1) + j``,
         the corner itself matrix ``3 levels``.
+    strips : what the strips are.
     """
 
     point_matrix: sp.csr_array
@@ -55,7 +99,9 @@ class PatchTable:
     type_size: NDArray[np.int32]
     type_levels: NDArray[np.int32]
     type_offset: NDArray[np.int64]
+    type_strips: NDArray[np.int8]
     matrices: NDArray[np.float64]
+    strips: Strips
 
     @property
     def local_matrix(self) -> sp.csr_array:

@@ -1,0 +1,82 @@
+"""Rings of vertices among triangles and quads, with mirror points beyond sharp edges."""
+
+import numpy as np
+
+from subdfit.compiled import inlined_kernel, kernel
+
+
+@inlined_kernel
+def mirror(out, row, a, b, c):  # type: ignore[no-untyped-def]
+    """Write the point a + b - c, the same way whichever of a and b comes first."""
+    out[row, 0], out[row, 1], out[row, 2] = min(a, b), max(a, b), c
+
+
+@kernel
+def rings(  # type: ignore[no-untyped-def]
+    half_edges,
+    start,
+    face_offsets,
+    face_vertices,
+    following,
+    preceding,
+    face,
+    twin,
+    sharp_count,
+    first,
+    faces,
+    position,
+    regular,
+):
+    """Write the ring round the origin of each half-edge, counter-clockwise: neighbours, and far corners of quads.
+
+    A ring begins with the end of the half-edge, or where the sector begins if sharp edges bound it. Regular corners
+    have the whole ring all the same: beyond sharp edges stand mirror points, with which the smooth rules reproduce
+    those of boundaries and creases.
+
+    Parameters
+    ----------
+    half_edges, start : (k,), and (k + 1,) where each ring begins in the result.
+    The others are arrays of a topology and its `Level`.
+
+    Returns
+    -------
+    ndarray
+        (r, 3) int32: vertices a, b, c for the point a + b - c; b and c are -1 for the vertex a.
+    """
+    out = np.full((start[-1], 3), -1, np.int32)
+    for k in range(len(half_edges)):
+        h = half_edges[k]
+        v = face_vertices[h]
+        open_sector = sharp_count[v] > 1
+        begin = h if sharp_count[v] == 0 else first[h]
+        at, size, turn = start[k], start[k + 1] - start[k], 0
+        quad = face_offsets[face[h] + 1] - face_offsets[face[h]] == 4
+        if open_sector and regular[h]:
+            turn = size - position[h] * (2 if quad else 1)
+        g, last, i = begin, begin, 0
+        for _ in range(faces[h]):
+            end = following[g]
+            out[at + (i + turn) % size, 0] = face_vertices[end]
+            i += 1
+            last = preceding[g]
+            if following[end] != last:
+                out[at + (i + turn) % size, 0] = face_vertices[following[end]]
+                i += 1
+            g = twin[last]
+        if not open_sector:
+            continue
+        out[at + (i + turn) % size, 0] = face_vertices[last]
+        if not regular[h]:
+            continue
+        near, far = face_vertices[following[begin]], face_vertices[last]
+        if quad:
+            across = face_vertices[preceding[begin]]
+            beside_near = face_vertices[following[following[begin]]]
+            beside_far = face_vertices[preceding[last]]
+            mirror(out, at + (i + 1 + turn) % size, far, far, beside_far)
+            mirror(out, at + (i + 2 + turn) % size, v, v, across)
+            mirror(out, at + (i + 3 + turn) % size, near, near, beside_near)
+        else:
+            mirror(out, at + (i + 1 + turn) % size, v, far, face_vertices[preceding[last]])
+            mirror(out, at + (i + 2 + turn) % size, v, near, face_vertices[preceding[begin]])
+    return out
