@@ -1,0 +1,144 @@
+"""Enrichment of a control mesh where the error is (Lavoué et al. 2007, section 5.2)."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
+
+from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.mesh.topology import Topology
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Ring = list[int]
+
+_SIGNIFICANT = 0.5
+"""Share of the largest error from which a sample belongs to the error field."""
+_NEAR, _DIFFUSE = 0.8, 0.5
+"""A field is diffuse when this share of its samples exceeds so much of the largest error."""
+
+
+def principal_error_field(distances: Floats, edges: NDArray[np.integer]) -> Flags:
+    """Samples of significant error that are connected with the largest, (k,).
+
+    Parameters
+    ----------
+    distances : (k,) float64, of samples of the surface from the target.
+    edges : (e, 2) int, neighbouring samples.
+    """
+    significant = distances >= _SIGNIFICANT * distances.max()
+    joined = edges[significant[edges].all(axis=1)]
+    links = sp.coo_array((np.ones(len(joined), np.int8), joined.T), shape=(len(distances),) * 2)
+    group = connected_components(links, directed=False)[1]
+    return np.asarray(significant & (group == group[np.argmax(distances)]))
+
+
+def is_diffuse(distances: Floats, field: Flags) -> bool:
+    """Whether a field has no centre: half of its samples and more come near the largest error."""
+    return float(np.mean(distances[field] >= _NEAR * distances.max())) >= _DIFFUSE
+
+
+@dataclass
+class Faces:
+    """Faces as rings of vertices, counter-clockwise, and the positions of vertices, open to edits."""
+
+    rings: list[Ring]
+    points: list[Floats]
+
+    @classmethod
+    def of(cls, mesh: ControlMesh) -> "Faces":
+        """The faces of a control mesh."""
+        offsets, corners = mesh.topology.face_offsets.tolist(), mesh.topology.face_vertices.tolist()
+        rings = [corners[a:b] for a, b in pairwise(offsets)]
+        return cls(rings, list(mesh.points))
+
+    def frozen(self, mesh: ControlMesh) -> ControlMesh:
+        """A control mesh of these faces with the corners of the mesh they come from; unused vertices are left out."""
+        used, rows = np.unique(np.concatenate(self.rings), return_inverse=True)
+        sharpness = np.zeros(len(self.points))
+        sharpness[: len(mesh.points)] = mesh.topology.corner_sharpness
+        corners = np.flatnonzero(sharpness[used] > 0)
+        offsets = np.concatenate([[0], np.cumsum([len(ring) for ring in self.rings])])
+        topology = Topology.from_faces(
+            offsets, rows, len(used), corner_vertices=corners, corner_sharpness=sharpness[used][corners]
+        )
+        return ControlMesh(topology, np.array(self.points)[used], mesh.scheme)
+
+    def merge_and_insert(self, chosen: list[int], place: Floats) -> bool:
+        """The local case: faces become one, with a new vertex that is joined to its neighbours.
+
+        Nothing is done, and False returned, where the faces do not form a disk.
+        """
+        loop = self._outline(chosen)
+        if not loop:
+            return False
+        self.points.append(place)
+        self._replace(chosen, fan(loop, len(self.points) - 1, self._left_bare(loop, chosen)))
+        return True
+
+    def _left_bare(self, loop: Ring, chosen: list[int]) -> set[int]:
+        """Inner vertices of a ring round faces that keep one other face only: without a spoke, their valence were 2."""
+        sides = {side for ring in self.rings for side in _sides(ring)}
+        rim = {v for side in sides if side[::-1] not in sides for v in side}
+        left = [v for k, ring in enumerate(self.rings) if k not in chosen for v in ring]
+        return {v for v in loop if v not in rim and left.count(v) == 1}
+
+    def enrich_each(self, chosen: list[int]) -> None:
+        """The diffuse case: each face gets a vertex at its middle, and sides between two of them are cut."""
+        owner = {(a, b): k for k in chosen for a, b in _sides(self.rings[k])}
+        middle: dict[frozenset[int], int] = {}
+        for a, b in sorted(side for side in owner if side[::-1] in owner and side[0] < side[1]):
+            self.points.append((self.points[a] + self.points[b]) / 2)
+            middle[frozenset((a, b))] = len(self.points) - 1
+        fresh: list[Ring] = []
+        for k in chosen:
+            loop: Ring = []
+            for a, b in _sides(self.rings[k]):
+                loop += [a, *([middle[frozenset((a, b))]] if frozenset((a, b)) in middle else [])]
+            self.points.append(np.mean([self.points[v] for v in self.rings[k]], axis=0))
+            cut = [i for i, v in enumerate(loop) if v in middle.values()]
+            begin = cut[0] if cut else 0
+            fresh += fan([*loop[begin:], *loop[:begin]], len(self.points) - 1)
+        self._replace(chosen, fresh)
+
+    def _replace(self, gone: list[int], by: list[Ring]) -> None:
+        self.rings = [ring for k, ring in enumerate(self.rings) if k not in set(gone)] + by
+
+    def _outline(self, chosen: list[int]) -> Ring:
+        """The ring round some faces; empty unless they form a disk."""
+        sides = {side for k in chosen for side in _sides(self.rings[k])}
+        outer = dict(side for side in sides if side[::-1] not in sides)
+        if len(outer) != sum(side[::-1] not in sides for side in sides):
+            return []
+        begin = min(outer)
+        loop = [begin]
+        while outer[loop[-1]] != begin:
+            loop.append(outer[loop[-1]])
+        inside = {v for k in chosen for v in self.rings[k]} - set(loop)
+        euler = len(loop) + len(inside) - (len(sides) + len(outer)) // 2 + len(chosen)
+        return loop if len(loop) == len(outer) and euler == 1 else []
+
+
+def fan(loop: Ring, centre: int, needed: set[int] | None = None) -> list[Ring]:
+    """Faces round a vertex inside a ring: quads where the centre keeps three spokes, else triangles.
+
+    Parameters
+    ----------
+    loop : vertices round the centre, counter-clockwise.
+    centre : the vertex.
+    needed : vertices of the ring that get a spoke in any case; between them every other one does.
+    """
+    n = len(loop)
+    stops = [i for i, v in enumerate(loop) if v in (needed or set())] or [0]
+    spokes = [i for a, b in pairwise([*stops, stops[0] + n]) for i in range(a, b, 2)]
+    if len(spokes) < 3:
+        spokes = list(range(n))
+    turned = [*loop, *loop, *loop]
+    return [[centre, *turned[a : b + 1]] for a, b in pairwise([*spokes, spokes[0] + n])]
+
+
+def _sides(ring: Ring) -> list[tuple[int, int]]:
+    return list(zip(ring, [*ring[1:], ring[0]], strict=True))

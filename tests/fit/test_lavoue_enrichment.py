@@ -1,0 +1,125 @@
+"""Enrichment, and the nested loop on open surfaces."""
+
+import numpy as np
+import pytest
+import trimesh
+
+import subdfit
+from subdfit.curves.loops import fit_loop
+from subdfit.curves.polyline import Polyline
+from subdfit.fit.lavoue_enrichment import Faces, fan, is_diffuse, principal_error_field
+from subdfit.fit.lavoue_open import enriched, fit_open
+from subdfit.initial.lavoue import BoundaryPolygon, boundary_start
+from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.mesh.topology import Topology
+from subdfit.target.curvature import curvature_field
+from subdfit.target.curves import boundary_loops
+from subdfit.target.target import mesh_target
+
+
+def grid(n):
+    """A square of n x n quads, corners tagged, for Catmull-Clark."""
+    x, y = np.meshgrid(np.arange(n + 1.0), np.arange(n + 1.0), indexing="ij")
+    i = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
+    quads = np.stack([i[:-1, :-1], i[1:, :-1], i[1:, 1:], i[:-1, 1:]], -1).reshape(-1, 4)
+    topology = Topology.from_faces(
+        4 * np.arange(n * n + 1), quads.ravel(), (n + 1) ** 2, corner_vertices=i[[0, 0, -1, -1], [0, -1, 0, -1]]
+    )
+    return ControlMesh(topology, np.stack([x, y, 0 * x], -1).reshape(-1, 3) / n, "catmull-clark")
+
+
+def bump(height, width, n=40):
+    """A dense unit square with a Gaussian bump."""
+    x, y = np.meshgrid(np.linspace(0, 1, n), np.linspace(0, 1, n), indexing="ij")
+    z = height * np.exp(-((x - 0.5) ** 2 + (y - 0.5) ** 2) / width**2)
+    z -= height * np.exp(-0.25 / width**2) * ((x - 0.5) ** 2 + (y - 0.5) ** 2) * 4
+    z *= 16 * x * (1 - x) * y * (1 - y)
+    i = np.arange(n * n).reshape(n, n)
+    quads = np.stack([i[:-1, :-1], i[1:, :-1], i[1:, 1:], i[:-1, 1:]], -1).reshape(-1, 4)
+    target = mesh_target(np.stack([x, y, z], -1).reshape(-1, 3), np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]]))
+    return target, curvature_field(target.points, target.triangles)
+
+
+def area(mesh):
+    faces = Faces.of(mesh).rings
+    return sum(np.linalg.norm(np.cross(mesh.points[r], np.roll(mesh.points[r], -1, 0)).sum(0)) / 2 for r in faces)
+
+
+def test_the_field_is_what_is_connected_with_the_largest_error():
+    distances = np.array([0.1, 0.6, 1.0, 0.7, 0.2, 0.9, 0.8])
+    chain = np.stack([np.arange(6), np.arange(1, 7)], 1)
+    np.testing.assert_array_equal(principal_error_field(distances, chain), [0, 1, 1, 1, 0, 0, 0])
+
+
+def test_a_peak_is_local_and_a_plateau_is_diffuse():
+    x = np.linspace(-3, 3, 61)
+    chain = np.stack([np.arange(60), np.arange(1, 61)], 1)
+    for profile, diffuse in ((np.exp(-np.abs(x)), False), (1 / (1 + x**8), True)):
+        assert is_diffuse(profile, principal_error_field(profile, chain)) is diffuse
+
+
+@pytest.mark.parametrize("chosen", [[4], [3, 4], [0, 1, 3, 4], [1, 3, 4, 5, 7]])
+def test_edits_keep_area_boundary_and_topology(chosen):
+    mesh = grid(3)
+    for edit in ("enrich", "merge"):
+        faces = Faces.of(mesh)
+        if edit == "enrich":
+            faces.enrich_each(chosen)
+        else:
+            loop = faces._outline(chosen)
+            assert faces.merge_and_insert(chosen, np.array([0.5, 0.5, 0.0]) if 4 in chosen else None)
+            assert set(loop) <= {v for k in chosen for v in Faces.of(mesh).rings[k]}
+        found = faces.frozen(mesh)
+        t = found.topology
+        assert t.vertex_count - t.edge_count + t.face_count == 1
+        assert t.boundary_edges.sum() == 12
+        assert (t.corner_sharpness > 0).sum() == 4
+        assert area(found) == pytest.approx(1.0)
+        assert t.valence[~np.isin(np.arange(t.vertex_count), t.edge_vertices[t.boundary_edges])].min() >= 3
+
+
+def test_faces_that_form_no_disk_are_not_merged():
+    mesh = grid(3)
+    assert not Faces.of(mesh).merge_and_insert([0, 1, 2, 3, 5, 6, 7, 8], np.zeros(3))
+    assert not Faces.of(mesh).merge_and_insert([0, 8], np.zeros(3))
+
+
+def test_fans_have_quads_where_three_sides_remain():
+    assert [len(face) for face in fan([1, 2, 3, 4], 0)] == [3] * 4
+    assert [len(face) for face in fan([1, 2, 3, 4, 5, 6], 0)] == [4] * 3
+    assert [len(face) for face in fan([1, 2, 3, 4, 5, 6, 7], 0)] == [4, 4, 4, 3]
+    spokes = {face[1] for face in fan([1, 2, 3, 4, 5, 6, 7, 8], 0, {2, 5})}
+    assert {2, 5} <= spokes
+
+
+def test_a_narrow_bump_draws_vertices_to_it():
+    target, _ = bump(0.3, 0.12)
+    found = enriched(grid(3), target)
+    fresh = found.points[16:]
+    assert len(fresh) >= 1
+    assert np.linalg.norm(fresh[:, :2].mean(axis=0) - 0.5) < 0.1
+
+
+@pytest.mark.parametrize("width", [0.2, 0.4])
+def test_the_loop_reaches_its_tolerance(width):
+    target, field = bump(0.3, width)
+    start = grid(2)
+    found = fit_open(start, target, field, tolerance=1.5e-3)
+    assert found.mean <= 1.5e-3
+    assert found.history[0][1] > 1.5e-3
+    assert len(found.mesh.points) < 120
+    measured = subdfit.measure(found.mesh, (target.points, target.triangles))
+    assert measured.mean * target.diagonal < 3e-3
+
+
+def test_the_cylinder_needs_no_more_than_its_boundary(meshes):
+    """Table 1 and Figure 12c: 10 control points at a mean error of 1.72e-3 of the unit cube's side."""
+    mesh = trimesh.load(meshes / "cylinder.ply", process=False)
+    points = np.asarray(mesh.vertices)
+    side = np.ptp(points, axis=0).max()
+    fits = [fit_loop(Polyline(points[c.vertices], closed=True), 5e-3 * side) for c in boundary_loops(mesh.faces)]
+    start = boundary_start(points, mesh.faces, [BoundaryPolygon(f.points, f.corners, f.limits) for f in fits])
+    start = ControlMesh(start.topology, start.points, "catmull-clark")
+    found = fit_open(start, mesh_target(points, mesh.faces), curvature_field(points, mesh.faces))
+    assert len(found.mesh.points) <= 14
+    assert found.mean <= 5e-3 * side
