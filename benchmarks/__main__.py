@@ -3,7 +3,7 @@
 import sys
 
 import subdfit
-from benchmarks import creases, dragon, interpolation, kernels, paper, parts, scaling, stages
+from benchmarks import creases, dragon, interpolation, kernels, paper, parts, scaling, stages, subdivision
 from benchmarks.common import MODELS, machine
 
 SECTIONS = {
@@ -12,6 +12,7 @@ SECTIONS = {
     "stages": ("Where the time goes", stages.run),
     "scaling": ("How time grows", scaling.run),
     "kernels": ("Kernels", kernels.run),
+    "subdivision": ("Subdivision", subdivision.run),
     "parts": ("Machined parts: curvature and faces", parts.run),
     "interpolation": ("Interpolation", interpolation.run),
     "dragon": ("The dragon", dragon.run),

@@ -2,6 +2,7 @@
 
 import os
 import platform
+import sys
 from pathlib import Path
 
 import numba
@@ -25,3 +26,13 @@ def table(head: list[str], rows: list[list[str]]) -> str:
 def percent(value: float) -> str:
     """Return a share of the diagonal in per cent."""
     return f"{100 * value:.4f}"
+
+
+def peak() -> str:
+    """Return the process's peak memory so far in MiB, or a dash where the platform does not tell."""
+    try:
+        import resource
+    except ImportError:
+        return "-"
+    used = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return f"{used / (2**20 if sys.platform == 'darwin' else 2**10):,.0f}"

@@ -1,22 +1,10 @@
 """The dragon at .05 %: as it is, with its largest component's holes closed, and by both methods from 4,091."""
 
-import sys
 import time
 from typing import Any
 
 import subdfit
-from benchmarks.common import MODELS, percent, table
-
-
-def peak() -> str:
-    """Return the process's peak memory so far in MiB, or a dash where the platform does not tell."""
-    try:
-        import resource
-    except ImportError:
-        return "-"
-    used = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return f"{used / (2**20 if sys.platform == 'darwin' else 2**10):,.0f}"
-
+from benchmarks.common import MODELS, peak, percent, table
 
 ROWS: list[tuple[str, dict[str, Any]]] = [
     ("as it is", {}),
