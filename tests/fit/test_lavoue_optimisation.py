@@ -79,6 +79,18 @@ def test_fixed_control_points_stay():
     assert len(found.mean) == len(found.rms) == len(found.max) == 3
 
 
+def test_the_best_round_is_kept_and_enough_is_enough():
+    mesh = patch("loop")
+    target, field = dense(mesh)
+    held = ~inner(mesh)
+    found = optimise(spoiled(mesh), target, field, fixed=held, enough=1e9)
+    assert len(found.mean) == 1
+    np.testing.assert_array_equal(found.mesh.points, spoiled(mesh).points)
+    again = optimise(optimise(spoiled(mesh), target, field, fixed=held).mesh, target, field, fixed=held, rounds=3)
+    final = optimise(again.mesh, target, field, fixed=held, rounds=0)
+    assert final.mean[0] == again.mean.min()
+
+
 def test_a_surface_on_its_target_stays():
     mesh = patch("loop")
     target, field = dense(mesh)

@@ -67,8 +67,8 @@ def fit_open(
     while True:
         held = np.zeros(len(mesh.points), np.bool_)
         held[mesh.topology.edge_vertices[mesh.topology.boundary_edges]] = True
-        found = optimise(mesh, target, field, rounds=rounds, fixed=held)
-        mesh, mean = found.mesh, float(found.mean[-1])
+        found = optimise(mesh, target, field, rounds=rounds, fixed=held, enough=tolerance)
+        mesh, mean = found.mesh, float(found.mean.min())
         history.append((len(mesh.points), mean))
         if best is None or mean < best.mean:
             best = OpenFit(mesh, mean, history)

@@ -35,9 +35,9 @@ class Optimised:
 
     Attributes
     ----------
-    mesh : the control mesh.
-    mean, rms, max : (rounds + 1,) float64, distances of the samples from the target before each round and at the end,
-        in the target's unit.
+    mesh : the control mesh of the round with the least mean distance.
+    mean, rms, max : (rounds + 1,) float64 or fewer, distances of the samples from the target before each round and at
+        the end, in the target's unit.
     """
 
     mesh: ControlMesh
@@ -68,6 +68,7 @@ def optimise(
     metric: Metric = "squared-distance",
     fixed: NDArray[np.bool_] | None = None,
     signed: bool = False,
+    enough: float = 0.0,
 ) -> Optimised:
     """Move control points until the samples of the surface lie on the target.
 
@@ -81,6 +82,7 @@ def optimise(
     metric : ``squared-distance``, or ``point`` for the squared distance from the footpoint itself (Ma et al. 2004).
     fixed : (n,) bool, control points that stay, such as those of a boundary; default none.
     signed : use signed radii of curvature (see `tangential_weights`).
+    enough : mean distance at which to stop.
 
     Raises
     ------
@@ -93,21 +95,24 @@ def optimise(
         raise InputError(f"metric is '{metric}'; give squared-distance or point")
     C = refined_limit_rows(mesh.topology, scheme_named(mesh.scheme or "loop"), levels)
     free = np.ones(len(mesh.points), np.bool_) if fixed is None else ~fixed
-    points, errors = mesh.points, []
+    points = best = mesh.points
+    errors: list[tuple[float, float, float]] = []
     for k in range(rounds + 1):
         samples = C @ points
         nearest = target.tree.closest(samples)
         squares = nearest.distance**2
-        errors.append([nearest.distance.mean(), np.sqrt(squares.mean()), nearest.distance.max()])
-        if k == rounds or not free.any():
+        mean = float(nearest.distance.mean())
+        if k == 0 or mean < min(errors)[0]:
+            best = points
+        errors.append((mean, float(np.sqrt(squares.mean())), float(nearest.distance.max())))
+        if k == rounds or mean <= enough or not free.any():
             break
         foot = target.on_triangles(nearest.triangle, nearest.uv)
         M = np.tile(np.eye(3), (len(foot), 1, 1))
         if metric == "squared-distance":
             M = distance_metric(field, nearest.triangle, nearest.uv, samples - foot, signed=signed)
         points = _least(C, M, foot, points, free)
-    mean, rms, largest = np.array(errors).T
-    return Optimised(mesh.with_points(points), mean, rms, largest)
+    return Optimised(mesh.with_points(best), *np.array(errors).T)
 
 
 def distance_metric(
