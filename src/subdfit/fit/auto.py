@@ -149,7 +149,7 @@ class Auto:
         tolerance, errors = self.settings.tolerance, state.errors
         faults = Faults.of(state)
         worst = faults.maximum
-        cap = max(10, int((CAP if self._triangles(state) else CAP / 2) * len(worst)))
+        cap = max(10, int((CAP if self._triangles(state) else CAP / 4) * len(worst)))
         bad = np.empty(0, np.int64)
         if tolerance.max is not None:
             bad = np.flatnonzero(worst > tolerance.max)
