@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Rows = NDArray[np.int64]
 
-SETTLING = 12
+SETTLING = 30
 """Iterations that put the limit points of a refined mesh where the coarse surface had them."""
 OVER_RELAXATION = 1.7
 """Nearly 2 / (1 + lambda), lambda = 1/9 being the least eigenvalue of Catmull-Clark's limit masks on regular meshes."""

@@ -24,8 +24,9 @@ of all points."""
 SPARSE = 3
 """Faces with fewer points than this are sampled, for nothing else keeps them near the target."""
 CAP = 0.25
-"""Most triangles, as a share, that one adaptation refines for their error; of other faces, of which each needs twice
-the vertices, half as many."""
+"""Most triangles, as a share, that one adaptation refines for their error."""
+POLYGON_CAP = CAP / 4
+"""The same for other faces: one is as large as two triangles, and to cut it takes two vertices or three."""
 MISSING = 0.7
 """Share of the vertices that seem to be missing for mean and rms, which one adaptation adds."""
 FEW = 0.01
@@ -149,7 +150,7 @@ class Auto:
         tolerance, errors = self.settings.tolerance, state.errors
         faults = Faults.of(state)
         worst = faults.maximum
-        cap = max(10, int((CAP if self._triangles(state) else CAP / 4) * len(worst)))
+        cap = max(10, int((CAP if self._triangles(state) else POLYGON_CAP) * len(worst)))
         bad = np.empty(0, np.int64)
         if tolerance.max is not None:
             bad = np.flatnonzero(worst > tolerance.max)

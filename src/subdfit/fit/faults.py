@@ -17,6 +17,8 @@ Rows = NDArray[np.int64]
 
 FLAT = 0.05
 """Share of a side's length that counts as bend, so that flat faces are cut across their longer sides."""
+INDUCED = 2
+"""Vertices more that it costs to halve a side which is half of the neighbour's: that is then cut as well."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,13 +80,14 @@ def cutting_sides(state: FitState, faces: Rows) -> Flags:
     marks = np.zeros(len(t.twin), np.bool_)
     chosen = np.zeros(t.face_count, np.bool_)
     chosen[faces] = True
-    for group in faces_by_sides(t, flat_corners(surface.control_mesh)):
+    flat = flat_corners(surface.control_mesh)
+    for group in faces_by_sides(t, flat):
         rows = chosen[group.faces]
         part = Sides(group.faces[rows], group.first[rows], group.second[rows])
         if group.count == 3 and surface.scheme.faces != "polygons":
             marks[_longest(state, part)] = True
         elif group.count == 4:
-            marks[_across(state, part)] = True
+            marks[_across(state, part, flat | flat[t.following])] = True
         else:
             marks[part.first[part.second < 0]] = True
     return marks
@@ -96,17 +99,19 @@ def _longest(state: FitState, part: Sides) -> Rows:
     return np.asarray(part.first[np.arange(len(length)), length.argmax(axis=1)])
 
 
-def _across(state: FitState, part: Sides) -> Rows:
+def _across(state: FitState, part: Sides, half: Flags) -> Rows:
+    """The opposite sides of each quad that bend most for the vertices they cost; `half` says which are half a side."""
     places, t = Places(state.surface), state.surface.topology
     corners = places.vertices()[t.face_vertices[part.first]]
     ahead = np.roll(corners, -1, axis=1)
     middle = places.middles(part.first.ravel()).reshape(-1, 4, 3)
     bend = np.linalg.norm(middle - (corners + ahead) / 2, axis=2) + FLAT * np.linalg.norm(ahead - corners, axis=2)
-    pairs = bend + np.roll(bend, 2, axis=1)
-    chosen = pairs >= np.roll(pairs, 1, axis=1)
+    twin = t.twin[part.first]
+    cost = 1 + INDUCED * ((twin >= 0) & half[twin])
+    gain = (bend + np.roll(bend, 2, axis=1)) / (cost + np.roll(cost, 2, axis=1))
     halved = part.halved
-    opposite = np.roll(halved, 2, axis=1)
-    wanted: Flags = np.where(np.any(halved, axis=1, keepdims=True), opposite, chosen)
+    opposite, best = np.roll(halved, 2, axis=1), gain >= np.roll(gain, 1, axis=1)
+    wanted: Flags = np.where(np.any(halved, axis=1, keepdims=True), opposite, best)
     return part.first[wanted & ~halved]
 
 
