@@ -72,7 +72,9 @@ def groups(level: Level, faces: Rows) -> list[Group]:
 
 def _groups_of_size(level: Level, faces: Rows, size: int) -> list[Group]:
     t = level.topology
-    rows = np.flatnonzero(np.diff(t.face_offsets)[faces] == size)
+    rows = np.flatnonzero((t.face_offsets[faces + 1] - t.face_offsets[faces]) == size)
+    if len(rows) == 0:
+        return []
     half_edges = t.face_offsets[faces[rows]].astype(np.int64)[:, None] + np.arange(size)
     stays = ~level.semi_sharp[t.face_vertices[half_edges]].any(axis=1)
     rows, half_edges = rows[stays], half_edges[stays]
@@ -129,6 +131,7 @@ def _single_corner(on_seam: Flags, side: Flags, irregular: Flags) -> tuple[Flags
 def _by_corner(level: Level, rows: Rows, half_edges: Rows) -> list[Group]:
     """Group faces by their irregular corners."""
     t, out = level.topology, []
+    larger = larger_faces(t)
     vertex = t.face_vertices[half_edges]
     closed, dart, pinned = level.sharp_count[vertex] < 2, level.sharp_count[vertex] == 1, level.pinned[vertex]
     position = np.where(closed & ~dart, 0, level.position[half_edges])
@@ -136,7 +139,7 @@ def _by_corner(level: Level, rows: Rows, half_edges: Rows) -> list[Group]:
         some = np.flatnonzero(level.faces[half_edges] == faces)
         begin = np.where(level.sharp_count[vertex[some]] == 0, half_edges[some], level.first[half_edges[some]])
         tags = np.column_stack([position, closed, dart, pinned])[some]
-        rows_of = np.column_stack([tags, sector_quads(t, level.preceding, begin, int(faces))])
+        rows_of = np.column_stack([tags, sector_quads(t, larger, level.preceding, begin, int(faces))])
         kinds, which = np.unique(rows_of, axis=0, return_inverse=True)
         for k, (place, *flags) in enumerate(kinds.tolist()):
             chosen = some[which.ravel() == k]
@@ -148,10 +151,11 @@ def _by_corner(level: Level, rows: Rows, half_edges: Rows) -> list[Group]:
 def by_order(t: Topology, preceding: Indices, half_edges: Indices) -> list[tuple[str, Rows]]:
     """Group half-edges that leave inner vertices by the order of the faces round them: order, rows."""
     found = []
-    valence = t.valence[t.face_vertices[half_edges]]
+    valence, larger = t.valence[t.face_vertices[half_edges]], larger_faces(t)
     for faces in np.unique(valence):
         some = np.flatnonzero(valence == faces)
-        orders, which = np.unique(sector_quads(t, preceding, half_edges[some], int(faces)), axis=0, return_inverse=True)
+        quads = sector_quads(t, larger, preceding, half_edges[some], int(faces))
+        orders, which = np.unique(quads, axis=0, return_inverse=True)
         found += [(letters(order), some[which.ravel() == k]) for k, order in enumerate(orders.tolist())]
     return found
 
@@ -161,9 +165,13 @@ def letters(quads: list[bool]) -> str:
     return "".join("Q" if quad else "T" for quad in quads)
 
 
-def sector_quads(t: Topology, preceding: Indices, begin: Indices, faces: int) -> Flags:
+def larger_faces(t: Topology) -> Flags:
+    """Whether the face of each half-edge is no triangle, (h,)."""
+    return np.asarray(np.diff(t.face_offsets)[t.face] > 3)
+
+
+def sector_quads(t: Topology, larger: Flags, preceding: Indices, begin: Indices, faces: int) -> Flags:
     """Whether each of so many faces round the origins of half-edges, counter-clockwise, is no triangle; (k, faces)."""
-    larger = np.diff(t.face_offsets)[t.face] > 3
     out = np.empty((len(begin), faces), np.bool_)
     h = begin
     for i in range(faces):

@@ -15,8 +15,9 @@ from subdfit.schemes import _quad_triangle_kernels as kernels
 from subdfit.schemes._level import Level
 from subdfit.schemes._loop_types import box_spline
 from subdfit.schemes._quad_patches import bicubic_basis
-from subdfit.schemes._quad_triangle_kinds import Corner, Kind, Regular, Strip, groups, sector_quads
+from subdfit.schemes._quad_triangle_kinds import Corner, Kind, Regular, Strip, groups
 from subdfit.schemes._quad_triangle_rules import refine
+from subdfit.schemes.scheme import Refinement
 
 Indices = NDArray[np.int32]
 Rows = NDArray[np.int64]
@@ -92,12 +93,18 @@ def corner_rings(level: Level, half_edges: Indices | Rows) -> Indices:
 def _ring_size(level: Level, half_edge: int) -> int:
     """Points of the ring round the origin of a half-edge."""
     t = level.topology
-    quad = np.diff(t.face_offsets)[t.face[half_edge]] == 4
     if level.regular[half_edge]:
-        return 8 if quad else 6
-    faces = int(level.faces[half_edge])
-    quads = sector_quads(t, level.preceding, level.first[half_edge : half_edge + 1], faces).sum()
-    return faces + int(quads) + int(level.sharp_count[t.face_vertices[half_edge]] > 1)
+        return 8 if _corners(t, half_edge) == 4 else 6
+    size, h = int(level.sharp_count[t.face_vertices[half_edge]] > 1), level.first[half_edge]
+    for _ in range(level.faces[half_edge]):
+        size += 1 if _corners(t, h) == 3 else 2
+        h = t.twin[level.preceding[h]]
+    return size
+
+
+def _corners(t: Topology, half_edge: int) -> int:
+    face = t.face[half_edge]
+    return int(t.face_offsets[face + 1] - t.face_offsets[face])
 
 
 @cache
@@ -168,30 +175,36 @@ def parts(kind: Kind, turn: int = 0) -> list[Part]:
     points = list_points(level, kind, np.array([half_edge]))[0]
     step = refine(level.topology)
     fine, size = Level.of(step.child), kind.size
-    weights = step.matrix.toarray()
+    weights = _rows(step, level.topology.vertex_count)
     face = int(level.topology.face[half_edge])
     corner = (half_edge - int(level.topology.face_offsets[face]) - turn) % size
-    found = []
-    for i in range(4):
-        middle = i == 3 and size == 3
-        child = 4 * face + (3 if middle else (corner + i) % size)
-        # Where the quarter's own parameters begin; a triangle's children keep its order.
-        begin = corner if size == 3 else -i % size
-        found.append(_part(fine, child, begin, points[:, 0], weights))
-    return found
+    children = 4 * face + np.array([3 if i == 3 and size == 3 else (corner + i) % size for i in range(4)])
+    found: dict[int, Part] = {}
+    for group in groups(fine, children):
+        for i, first in zip(group.rows, group.half_edges, strict=True):
+            # Where the quarter's own parameters begin; a triangle's children keep its order.
+            begin = int(fine.topology.face_offsets[children[i]]) + (corner if size == 3 else -i % size)
+            # A regular patch may begin at any corner.
+            half_edge = begin if isinstance(group.kind, Regular) else int(first)
+            matrix = _part_matrix(fine, group.kind, half_edge, points[:, 0], weights)
+            found[int(i)] = Part(group.kind, int(half_edge - begin) % size, matrix)
+    return [found[i] for i in range(4)]
 
 
-def _part(fine: Level, child: int, begin: int, columns: Indices, weights: Matrix) -> Part:
-    """A face of the refined mesh as a patch; half-edge number `begin` of it leaves the first corner of the quarter."""
-    offset = int(fine.topology.face_offsets[child])
-    (found,) = groups(fine, np.array([child]))
-    # A regular patch may begin at any corner.
-    half_edge = offset + begin if isinstance(found.kind, Regular) else int(found.half_edges[0])
-    a, b, c = list_points(fine, found.kind, np.array([half_edge]))[0].T
+def _rows(step: Refinement, vertices: int) -> Matrix:
+    """The matrix of a step, dense: what becomes of unit points, three columns at a time."""
+    unit = np.eye(vertices, vertices + -vertices % 3)
+    columns = [step.refined(unit[:, k : k + 3]) for k in range(0, unit.shape[1], 3)]
+    return np.concatenate(columns, axis=1)[:, :vertices]
+
+
+def _part_matrix(fine: Level, kind: Kind, half_edge: int, columns: Indices, weights: Matrix) -> Matrix:
+    """Points of a patch of the refined mesh, from the vertices `columns` of the mesh."""
+    a, b, c = list_points(fine, kind, np.array([half_edge]))[0].T
     rows = weights[a] + np.where(b >= 0, 1.0, 0.0)[:, None] * (weights[b] - weights[c])
-    matrix = rows[:, columns]
+    matrix: Matrix = rows[:, columns]
     assert np.allclose(matrix.sum(axis=1), 1), "a patch depends on its own points only"
-    return Part(found.kind, (half_edge - offset - begin) % found.kind.size, matrix)
+    return matrix
 
 
 @cache
