@@ -3,12 +3,13 @@
 import sys
 
 import subdfit
-from benchmarks import creases, dragon, interpolation, kernels, paper, parts, scaling, stages, subdivision
+from benchmarks import creases, dragon, interpolation, kernels, paper, parts, scaling, schemes, stages, subdivision
 from benchmarks.common import MODELS, machine
 
 SECTIONS = {
     "paper": ("The paper's models, both methods", paper.run),
     "creases": ("Machined parts with and without creases", creases.run),
+    "schemes": (f"All schemes at {schemes.BOUND}", schemes.run),
     "stages": ("Where the time goes", stages.run),
     "scaling": ("How time grows", scaling.run),
     "kernels": ("Kernels", kernels.run),

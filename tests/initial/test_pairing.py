@@ -54,8 +54,6 @@ def test_few_triangles_are_left_and_none_overlap(meshes) -> None:  # type: ignor
         inner = np.ones(p.vertex_count, np.bool_)
         inner[p.edge_vertices[p.boundary_edges]] = False
         assert p.valence[inner].min() >= 3
-        greedy = pair_triangles(mesh, everywhere=False)
-        assert np.sum(sizes(greedy) == 3) > np.sum(sizes(paired) == 3)
 
 
 def test_creases_and_corners_stay(meshes) -> None:  # type: ignore[no-untyped-def]
@@ -75,5 +73,4 @@ def test_creases_and_corners_stay(meshes) -> None:  # type: ignore[no-untyped-de
 def test_poor_pairs_stay_triangles() -> None:
     strip = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [0.9, 0.1, 0]])
     mesh = ControlMesh.from_triangles(strip[[0, 1, 3, 2]], [[0, 1, 2], [1, 3, 2]])
-    assert set(sizes(pair_triangles(mesh, least_quality=0.5))) == {3}
-    assert set(sizes(pair_triangles(mesh))) == {3}, "its angle of 180 degrees would be none"
+    assert set(sizes(pair_triangles(mesh))) == {3}, "the quad would not be convex"

@@ -8,6 +8,7 @@ import numpy as np
 from subdfit.api.triangulate import triangles_of
 from subdfit.errors import InputError
 from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.mesh.creases import without_loose_creases
 from subdfit.schemes.scheme import Scheme
 from subdfit.target.features import automatic_creases, crease_edges
 from subdfit.target.target import Creases
@@ -56,21 +57,9 @@ def accepted(given: ControlMesh, mesh: ControlMesh, scheme: Scheme) -> ControlMe
     except InputError:
         if mesh is given:
             raise
-        closed = _without_loose_ends(mesh)
+        closed = without_loose_creases(mesh)
         scheme.validate(closed.topology)
         lost = len(mesh.topology.crease_edges) - len(closed.topology.crease_edges)
         logger.warning("%d crease edges lead to an end inside the surface and are left smooth", lost)
         return closed
     return mesh
-
-
-def _without_loose_ends(mesh: ControlMesh) -> ControlMesh:
-    """Smooth the crease edges at vertices with no other sharp edge, until there are none."""
-    t = mesh.topology
-    sharpness = t.sharpness.copy()
-    while True:
-        count = np.bincount(t.edge_vertices[sharpness > 0].ravel(), minlength=t.vertex_count)
-        loose = (sharpness > 0) & ~t.boundary_edges & (count[t.edge_vertices] == 1).any(axis=1)
-        if not loose.any():
-            return replace(mesh, topology=replace(t, sharpness=sharpness))
-        sharpness[loose] = 0.0

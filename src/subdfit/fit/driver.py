@@ -18,7 +18,7 @@ from subdfit.fit.result import FitResult, Iteration, Status
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import badness, error_that_matters, within
-from subdfit.initial.start import start_mesh
+from subdfit.initial.start import start_mesh, with_creases_for
 from subdfit.limit.surface import LimitSurface
 from subdfit.measure import Measurement, Outliers, measure
 from subdfit.mesh.control_mesh import ControlMesh
@@ -146,11 +146,11 @@ def fit_target(
     settings = replace(settings, max_control_vertices=settings.max_control_vertices or len(target.used))
     run = _Run(target, settings, Frame.of(target.points[target.used]), progress)
     clock = time.perf_counter()
-    inside = target.normalised(run.frame)
+    scheme = scheme_named(settings.scheme)
+    inside = with_creases_for(scheme, target.normalised(run.frame))
     data = FitData.of(inside, settings.sample_spacing)
     scale = settings.tolerance.max or error_that_matters(settings.tolerance)
-    faces = scheme_named(settings.scheme).faces
-    mesh = start_mesh(inside, settings.control_vertices, scale, settings.max_control_vertices, faces)
+    mesh = start_mesh(inside, settings.control_vertices, scale, settings.max_control_vertices, scheme.faces)
     run.timed("start", clock)
     clock = time.perf_counter()
     state = run.excused(FitState.start(data, LimitSurface(mesh, settings.scheme)))

@@ -18,21 +18,17 @@ VALENCE_WEIGHT = 0.05
 """What one triangle too many at an end of a side counts for joining across it, against a quality of 0 to 1."""
 
 
-def pair_triangles(mesh: ControlMesh, least_quality: float = 0.0, everywhere: bool = True) -> ControlMesh:
+def pair_triangles(mesh: ControlMesh) -> ControlMesh:
     """Join neighbouring triangles to quads.
 
     A pair is the better the nearer its angles are to right ones (Remacle et al., Blossom-Quad, 2012), the flatter it
-    is, so that quads do not lie across ridges, and the more triangles meet at the ends of the side that goes.
+    is, so that quads do not lie across ridges, and the more triangles meet at the ends of the side that goes. Where
+    pairs leave triangles alone, they change partners. None has an angle of 0 or 180 degrees or a fold of 90.
 
     Parameters
     ----------
     mesh
         A triangle mesh; its creases are never crossed.
-    least_quality
-        Pairs of less quality (1 is a flat rectangle, 0 one with an angle of 0 or 180 degrees or a fold of 90) stay
-        triangles.
-    everywhere
-        Leave as few triangles as can be found, at the price of some quality.
 
     Returns
     -------
@@ -41,7 +37,7 @@ def pair_triangles(mesh: ControlMesh, least_quality: float = 0.0, everywhere: bo
     """
     t = mesh.topology
     quality = pair_quality(mesh.points, t)
-    allowed = quality > least_quality
+    allowed = quality > 0
     surplus = (t.valence - REGULAR_TRIANGLES)[t.face_vertices] + (t.valence - REGULAR_TRIANGLES)[_ends(t)]
     order = np.argsort(-(quality + VALENCE_WEIGHT * surplus), kind="stable")
     order = order[allowed[order] & (order < t.twin[order])].astype(np.int32)
@@ -49,8 +45,7 @@ def pair_triangles(mesh: ControlMesh, least_quality: float = 0.0, everywhere: bo
     least[t.edge_vertices[t.boundary_edges]] = 1
     faces_at, mate = t.valence.copy(), np.full(t.face_count, -1, np.int32)
     kernels.match_greedily(order, t.face_vertices, t.twin, least, faces_at, mate)
-    if everywhere:
-        kernels.lengthen_matching(allowed, t.face_vertices, t.twin, least, faces_at, mate)
+    kernels.lengthen_matching(allowed, t.face_vertices, t.twin, least, faces_at, mate)
     return _joined(mesh, mate)
 
 

@@ -1,6 +1,7 @@
 """The first control mesh: the target decimated to a number of vertices chosen from the tolerance."""
 
 import logging
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +10,8 @@ from subdfit.errors import InputError
 from subdfit.initial.decimate import Decimated, decimate
 from subdfit.initial.pairing import pair_triangles
 from subdfit.mesh.control_mesh import ControlMesh
-from subdfit.schemes.scheme import Faces
+from subdfit.mesh.creases import without_loose_creases
+from subdfit.schemes.scheme import Faces, Scheme
 from subdfit.target.bvh import TriangleTree
 from subdfit.target.target import Target
 
@@ -18,8 +20,6 @@ logger = logging.getLogger(__name__)
 LEAST_SHARE, MOST_SHARE = 0.01, 0.05
 """The first control mesh has 1 to 5 % of the points (Nishiyama et al. 2008, section 3)."""
 COARSEST = 10.0
-FAIR_QUAD = 0.3
-"""Least quality of a quad where a scheme takes triangles too."""
 LARGEST_SHARE = 0.25
 """Share of the points at which doubling ends."""
 
@@ -46,7 +46,7 @@ def start_mesh(
     budget
         Most vertices that are chosen here; None is unbounded.
     faces
-        What the scheme takes: where it takes triangles as well as quads, poor quads stay triangles.
+        What the scheme takes.
 
     Raises
     ------
@@ -74,9 +74,28 @@ def start_mesh(
     mesh = ControlMesh.from_triangles(
         found.points, found.triangles, crease_edges=found.crease_edges, corner_vertices=found.corners
     )
-    if faces == "triangles":
-        return mesh
-    return pair_triangles(mesh) if faces == "polygons" else pair_triangles(mesh, FAIR_QUAD, everywhere=False)
+    return mesh if faces == "triangles" else pair_triangles(mesh)
+
+
+def with_creases_for(scheme: Scheme, target: Target) -> Target:
+    """The target with the creases that the scheme can have: without those that end inside, if it refuses them."""
+    if len(target.crease_edges) == 0:
+        return target
+    used, triangles = np.unique(target.triangles, return_inverse=True)
+    row = np.full(len(target.points), -1, np.int64)
+    row[used] = np.arange(len(used))
+    mesh = ControlMesh.from_triangles(
+        target.points[used], triangles.reshape(-1, 3), crease_edges=row[target.crease_edges]
+    )
+    try:
+        scheme.validate(mesh.topology)
+    except InputError:
+        topology = without_loose_creases(mesh).topology
+        kept = used[topology.edge_vertices[topology.crease_edges]].astype(np.int64)
+        lost = len(target.crease_edges) - len(kept)
+        logger.warning("%d crease edges of the target lead to an end inside the surface and are left smooth", lost)
+        return replace(target, crease_edges=kept)
+    return target
 
 
 def _worst(points: NDArray[np.float64], found: Decimated) -> float:
