@@ -3,7 +3,19 @@
 import sys
 
 import subdfit
-from benchmarks import creases, dragon, interpolation, kernels, paper, parts, scaling, schemes, stages, subdivision
+from benchmarks import (
+    creases,
+    dragon,
+    interpolation,
+    kernels,
+    paper,
+    parts,
+    reconstruction,
+    scaling,
+    schemes,
+    stages,
+    subdivision,
+)
 from benchmarks.common import MODELS, machine
 
 SECTIONS = {
@@ -16,10 +28,11 @@ SECTIONS = {
     "subdivision": ("Subdivision", subdivision.run),
     "parts": ("Machined parts: curvature and faces", parts.run),
     "interpolation": ("Interpolation", interpolation.run),
+    "reconstruction": ("Points", reconstruction.run),
     "dragon": ("The dragon", dragon.run),
     "million": ("Interpolation of a million vertices", interpolation.million),
 }
-SLOW = ("dragon", "million")
+SLOW = ("dragon", "million", "reconstruction")
 
 
 def main(names: list[str]) -> int:

@@ -6,10 +6,12 @@ from dataclasses import asdict
 import numpy as np
 from numpy.typing import NDArray
 
+from subdfit.api.reconstructing import Reconstruction
 from subdfit.api.result import FitResult
 from subdfit.api.surface import LimitSurface
 from subdfit.errors import InputError
 from subdfit.target.frame import Frame
+from subdfit.target.target import Target
 
 Floats = NDArray[np.float64]
 
@@ -17,8 +19,11 @@ _TRIANGLES = 200_000
 """About so many triangles are drawn: a panel has not many more pixels."""
 
 
-def picture(path: str | os.PathLike[str], result: FitResult, title: str = "") -> None:
+def picture(path: str | os.PathLike[str], result: FitResult | Reconstruction, title: str = "") -> None:
     """Write a PNG of the target, the control mesh on the limit surface, and the distance between the two.
+
+    Of a cloud it shows the points, the polyhedron through them and, where it was fitted, the surface with its control
+    mesh.
 
     Raises
     ------
@@ -27,11 +32,41 @@ def picture(path: str | os.PathLike[str], result: FitResult, title: str = "") ->
     MachineError
         The file cannot be written.
     """
+    if isinstance(result, Reconstruction):
+        _polyhedron(path, result, title)
+    elif result.target is None or not result.target.is_mesh:
+        raise InputError("a picture needs a target with faces; leave it out for points")
+    elif result.target.cloud:
+        _cloud_fit(path, result, result.target, title)
+    else:
+        _mesh_fit(path, result, result.target, title)
+
+
+def _polyhedron(path: str | os.PathLike[str], result: Reconstruction, title: str) -> None:
+    from subdfit.draw.cloud_picture import cloud_picture
+
+    mesh = result.mesh.points, result.mesh.face_vertices.reshape(-1, 3)
+    cloud_picture(os.fspath(path), points=result.cloud, mesh=mesh, title=title)
+
+
+def _cloud_fit(path: str | os.PathLike[str], result: FitResult, target: Target, title: str) -> None:
+    from subdfit.draw.cloud_picture import cloud_picture
+
+    level = _level(result.surface.domain.face_count)
+    drawn = result.surface.tessellate(level)
+    edges = control_edges(result.surface, 2**level)
+    cloud_picture(
+        os.fspath(path),
+        points=target.points,
+        mesh=(target.points, target.triangles),
+        surface=(drawn.points, drawn.triangles, edges, result.control_mesh.topology.vertex_count),
+        title=title,
+    )
+
+
+def _mesh_fit(path: str | os.PathLike[str], result: FitResult, target: Target, title: str) -> None:
     from subdfit.draw.fit_picture import fit_picture
 
-    target = result.target
-    if target is None or not target.is_mesh:
-        raise InputError("a picture needs a target with faces; leave it out for points")
     frame = Frame.of(target.points[target.used])
     level = _level(result.surface.domain.face_count)
     drawn = result.surface.tessellate(level)

@@ -36,6 +36,7 @@ class Reconstruction:
     Attributes
     ----------
     mesh : the triangles, an oriented manifold; its points are in the cloud's unit.
+    cloud : (n, 3) float64, the points given.
     point_rows : (k,) int64, the row in the cloud of each point of the mesh; None where vertices are no data points.
     left_out : (l,) int64, rows of the cloud that the surface does not pass through though it was to, repeats of points
         that it does pass through not counted.
@@ -46,6 +47,7 @@ class Reconstruction:
     """
 
     mesh: MeshData
+    cloud: NDArray[np.float64]
     point_rows: Rows | None
     left_out: Rows
     repeated: int
@@ -142,6 +144,7 @@ def reconstruct(
     }
     return Reconstruction(
         mesh=MeshData(simple.points, 3 * np.arange(len(simple.triangles) + 1), simple.triangles.ravel()),
+        cloud=data.points,
         point_rows=rows,
         left_out=found.left_out,
         repeated=found.repeated,

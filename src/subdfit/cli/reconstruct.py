@@ -52,6 +52,7 @@ def add_parser(commands: Any) -> None:
         "--keep-data-points", action="store_true", help="simplify to some of the points, not to points of least error"
     )
     parser.add_argument("--json", metavar="FILE", help="write counts, rows left out and seconds")
+    parser.add_argument("--picture", metavar="FILE.png", help="the points, and the mesh through them")
     options.add_machine_options(parser)
     parser.set_defaults(run=run)
 
@@ -60,13 +61,15 @@ def run(args: argparse.Namespace, console: Console) -> int:
     """Join, write, say what was done."""
     from subdfit import api
 
-    check_outputs(args.output, [args.points], documents=[args.json])
+    check_outputs(args.output, [args.points], documents=[args.json], pictures=[args.picture])
     names = ("method", "vertices", "max_error", "keep_data_points", "threads", "memory")
     given = {name: getattr(args, name) for name in names}
     given |= {name: getattr(args, name) for name in ("gap", "small_hole") if getattr(args, name) is not None}
     found = api.reconstruct(args.points, **given)
     for path in args.output:
         api.write(path, found.mesh)
+    if args.picture:
+        api.picture(args.picture, found)
     if args.json:
         write_json(args.json, found.to_dict())
     console.rest()
