@@ -9,6 +9,7 @@ import sys
 from importlib import import_module
 from pathlib import Path
 
+import numpy as np
 import pytest
 import trimesh
 
@@ -48,6 +49,8 @@ def readers_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     torus.export(tmp_path / "scan.ply")
     ring = trimesh.creation.annulus(r_min=20, r_max=40, height=24, sections=48).subdivide_to_size(6)
     ring.export(tmp_path / "part.stl")
+    cloud, _ = trimesh.sample.sample_surface_even(torus, 4000, seed=0)
+    np.savetxt(tmp_path / "cloud.xyz", cloud)
     monkeypatch.chdir(tmp_path)
     return tmp_path
 

@@ -25,6 +25,7 @@ def convert(mesh: ControlMesh | MeshSource, scheme: str | None = None) -> Contro
 
     Examples
     --------
+    >>> import subdfit
     >>> square = ([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]])
     >>> cage = subdfit.convert(square)
     >>> cage.scheme
