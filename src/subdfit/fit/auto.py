@@ -30,7 +30,8 @@ POLYGON_CAP = CAP / 4
 MISSING = 0.7
 """Share of the vertices that seem to be missing for mean and rms, which one adaptation adds."""
 FEW = 0.01
-"""When fewer faces than this share are too far off, triangles are split on all sides and no edge is flipped."""
+"""When fewer faces than this share are too far off, triangles are split on all sides and no edge is flipped; as many
+faces again may be split because the surface strays there."""
 LATE_DAMPING = 1e-2
 """Least damping after a late split, which has few points to hold it."""
 NEARLY = 1.5
@@ -107,7 +108,8 @@ class Auto:
         # Strays are drawn back for a round before their faces are split.
         if few and self._drawn:
             straying = large_enough(state, self._stray_faces(state))
-            faces = np.concatenate([faces, np.setdiff1d(straying, faces)])
+            straying = straying[~np.isin(straying, faces)]
+            faces = np.concatenate([faces, straying[: max(10, int(FEW * state.surface.topology.face_count))]])
         marks = all_sides(state, faces) if few and self._triangles(state) else cutting_sides(state, faces)
         if tolerance.max is not None and not self.settings.fixed_boundary:
             marks |= curve_sides(state, CURVE_FACTOR * tolerance.max)
@@ -140,10 +142,12 @@ class Auto:
         return self._seen[1]
 
     def _stray_faces(self, state: FitState) -> NDArray[np.int64]:
-        """Faces whose samples stray beyond the tolerance, or nearly."""
+        """Faces whose samples stray beyond the tolerance, or nearly; the farthest first."""
         bound, found = self.settings.tolerance.max, self._strays(state)
-        far = np.abs(found.gaps(state.surface)) > 0.9 * (bound or np.inf)
-        return np.unique(Places(state.surface).face[found.face[far]])
+        gap = np.zeros(state.surface.topology.face_count)
+        np.maximum.at(gap, Places(state.surface).face[found.face], np.abs(found.gaps(state.surface)))
+        order = np.argsort(-gap, kind="stable")
+        return order[gap[order] > 0.9 * (bound or np.inf)]
 
     def _bad_faces(self, state: FitState) -> NDArray[np.int64]:
         """Faces whose maximum is too large, worst first and capped; where a mean is, those with the largest sums."""
