@@ -154,7 +154,7 @@ def distinct(points: Floats) -> Rows:
 
 def _check(triangles: Rows, points: int, name: str) -> None:
     """Refuse what is no surface of these points."""
-    used = len(np.unique(triangles))
+    used = np.count_nonzero(np.bincount(triangles.ravel(), minlength=points))
     if used < LEAST_SHARE * points:
         raise InputError(
             f"{name}: only {used:,} of {points:,} points lie on a surface; the sampling is too sparse for the shape, "
