@@ -43,9 +43,7 @@ def add_parser(commands: Any) -> None:
     options.add_target_options(parser)
     parser.add_argument("--seed", metavar="N", type=int, default=0, help="of the synthetic scan (default: 0)")
     options.add_machine_options(parser)
-    chosen = {"scheme": "loop", "method": "auto", "control_vertices": None, "max_control_vertices": None}
-    relaxed = {"over_relaxation": 1.0, "nesterov": False, "boundary_step": True}
-    parser.set_defaults(run=run, boundary="fit", **chosen, **relaxed)
+    parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace, console: Console) -> int:

@@ -105,10 +105,11 @@ def run(args: argparse.Namespace, console: Console) -> int:
 
 
 def fit_arguments(args: argparse.Namespace) -> dict[str, Any]:
-    """Arguments of `subdfit.fit` for the command's options."""
+    """Arguments of `subdfit.fit` for the options that a command has; the library knows the others' defaults."""
     names = ("scheme", "method", "control_vertices", "max_control_vertices", "boundary", "robust", "seed")
     geometric = ("over_relaxation", "nesterov", "boundary_step")
-    return options.target_arguments(args) | {name: getattr(args, name) for name in (*names, *geometric)}
+    given = {name: getattr(args, name) for name in (*names, *geometric) if hasattr(args, name)}
+    return options.target_arguments(args) | given
 
 
 def write_all(args: argparse.Namespace, result: "FitResult", console: Console) -> None:
