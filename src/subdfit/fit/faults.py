@@ -17,7 +17,7 @@ Rows = NDArray[np.int64]
 
 FLAT = 0.05
 """Share of a side's length that counts as bend, so that flat faces are cut across their longer sides."""
-INDUCED = 2
+INDUCED = 3
 """Vertices more that it costs to halve a side which is half of the neighbour's: that is then cut as well."""
 
 
