@@ -32,6 +32,8 @@ MISSING = 0.7
 FEW = 0.01
 """When fewer faces than this share are too far off, triangles are split on all sides and no edge is flipped; as many
 faces again may be split because the surface strays there."""
+LAST = 2
+"""So few polygons are cut on all sides as well: one cut may go the wrong way."""
 LATE_DAMPING = 1e-2
 """Least damping after a late split, which has few points to hold it."""
 NEARLY = 1.5
@@ -110,7 +112,8 @@ class Auto:
             straying = large_enough(state, self._stray_faces(state))
             straying = straying[~np.isin(straying, faces)]
             faces = np.concatenate([faces, straying[: max(10, int(FEW * state.surface.topology.face_count))]])
-        marks = all_sides(state, faces) if few and self._triangles(state) else cutting_sides(state, faces)
+        last = few and (self._triangles(state) or len(faces) <= LAST)
+        marks = all_sides(state, faces) if last else cutting_sides(state, faces)
         if tolerance.max is not None and not self.settings.fixed_boundary:
             marks |= curve_sides(state, CURVE_FACTOR * tolerance.max)
         marks = self._within_budget(state, marks, faces)
