@@ -3,13 +3,17 @@
 import numpy as np
 import pytest
 
+from subdfit.closest.curves import SurfaceCurves
+from subdfit.fit.auto import Auto
 from subdfit.fit.data import FitData
-from subdfit.fit.reverse import inner_samples, strays
+from subdfit.fit.reverse import CurveSamples, inner_samples, strays
+from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
 from subdfit.limit import LimitSurface
+from subdfit.measure import Tolerance
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.target.frame import Frame
-from subdfit.target.target import Target
+from subdfit.target.target import Target, mesh_target
 
 
 @pytest.fixture(scope="module")
@@ -77,3 +81,38 @@ def test_a_cloud_has_no_reverse_side() -> None:
     points = np.random.default_rng(0).normal(size=(50, 3))
     mesh = ControlMesh.from_triangles(np.eye(4, 3), [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
     assert len(strays(LimitSurface(mesh, "loop"), point_target(points), 1e-3)) == 0
+
+
+def grid(segments: int) -> tuple[np.ndarray, np.ndarray]:
+    """Triangles of a square, from 0 to 1."""
+    side = np.linspace(0, 1, segments + 1)
+    points = np.column_stack([*(a.ravel() for a in np.meshgrid(side, side)), np.zeros((segments + 1) ** 2)])
+    low = (np.arange(segments)[:, None] * (segments + 1) + np.arange(segments)).ravel()
+    first = np.column_stack([low, low + 1, low + segments + 2])
+    return points, np.concatenate([first, np.column_stack([low, low + segments + 2, low + segments + 1])])
+
+
+def test_a_boundary_with_fewer_data_than_control_points_lies_on_the_targets() -> None:
+    """Between its data a wavy boundary would stay so: the waves lie on the target's face, or off it for no point."""
+    points, triangles = grid(2)
+    target = mesh_target(points - [0.5, 0.5, 0], triangles, creases="none")
+    data = FitData.of(target.normalised(Frame.of(target.points)), 1.0)
+    points, triangles = grid(16)
+    points -= [0.5, 0.5, 0]
+    points[:, :2] *= 1 + 0.05 * np.cos(5 * np.arctan2(points[:, 1], points[:, 0]))[:, None]
+    mesh = ControlMesh.from_triangles(points / target.diagonal, triangles)
+    state = FitState.start(data, LimitSurface(mesh, "loop"))
+    boundary = data.target.boundary_tree
+    assert boundary is not None
+
+    def wave(state: FitState) -> float:
+        curves = SurfaceCurves(state.surface, inner=False)
+        samples = CurveSamples.of(curves, np.arange(len(curves)), boundary)
+        return float(np.linalg.norm(samples.gaps(state.surface), axis=1).max())
+
+    method = Auto(FitSettings(tolerance=Tolerance(max=1e-2), max_control_vertices=len(points)))
+    before = wave(state)
+    for _ in range(4):
+        state = method.advance(state)
+    assert before > 0.01
+    assert wave(state) < 0.1 * before

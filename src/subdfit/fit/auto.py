@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 from subdfit.fit.adapt import refined
 from subdfit.fit.faults import Faults, all_sides, curve_sides, cutting_sides, large_enough
 from subdfit.fit.places import Places
-from subdfit.fit.reverse import Samples, inner_samples, strays
+from subdfit.fit.reverse import CurveSamples, Samples, inner_samples, strays
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import Errors, FitState
 from subdfit.fit.stop import CURVE_FACTOR, badness, error_that_matters
-from subdfit.fit.tangent import TangentSettings, merit, reverse_rows, tangent_step
+from subdfit.fit.tangent import TangentSettings, curve_reverse_rows, merit, reverse_rows, tangent_step
 
 STEPS = 3
 """Most steps in a round."""
@@ -84,12 +84,14 @@ class Auto:
         """Steps, each kept if it lowers the energy with new footpoints, until one gains little."""
         bound = error_that_matters(self.settings.tolerance)
         low, high = DAMPING_RANGE
-        energy = merit(state, samples, self.weights, bound)
+        on_curves = self._sparse_curves(state)
+        energy = merit(state, samples, on_curves, self.weights, bound)
         for _ in range(STEPS):
-            pulled = reverse_rows(state, self.weights, samples, bound)
-            points = tangent_step(state, self.weights, self._damping, [pulled], self.settings.fixed_boundary)
+            pulled = [reverse_rows(state, self.weights, samples, bound)]
+            pulled += [curve_reverse_rows(state, self.weights, found) for found in on_curves]
+            points = tangent_step(state, self.weights, self._damping, pulled, self.settings.fixed_boundary)
             moved = state.moved(points)
-            left = merit(moved, samples, self.weights, bound)
+            left = merit(moved, samples, on_curves, self.weights, bound)
             # A step also serves what is in no error: the shape of the control mesh. That may cost a little.
             if left > GIVE * energy:
                 self._damping = min(self._damping * 10, high)
@@ -134,6 +136,17 @@ class Auto:
         face = Places(state.surface).face
         count = np.bincount(face[state.face], minlength=state.surface.topology.face_count)
         return inner_samples(state.surface, state.data.target, np.flatnonzero(count[face] < SPARSE))
+
+    @staticmethod
+    def _sparse_curves(state: FitState) -> list[CurveSamples]:
+        """Samples of sides of curves with few data points."""
+        trees = (state.data.target.boundary_tree, state.data.target.crease_tree)
+        samples = []
+        for found, curves, tree in zip(state.held, state.curves, trees, strict=True):
+            if found is not None and curves is not None and tree is not None:
+                count = np.bincount(found.side, minlength=len(curves))
+                samples.append(CurveSamples.of(curves, np.flatnonzero(count < SPARSE), tree))
+        return samples
 
     def _strays(self, state: FitState) -> Samples:
         """Samples of the surface that stray by half the tolerance or more."""

@@ -1,20 +1,25 @@
-"""The reverse side: samples of the surface, and what of the target lies nearest."""
+"""The reverse side: samples of the surface and of its curves, and what of the target lies nearest."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from subdfit.closest.curves import SurfaceCurves
 from subdfit.limit.surface import LimitSurface
 from subdfit.limit.tessellate import lattice
 from subdfit.measure import reverse_segments
 from subdfit.schemes.domain import CORNERS
+from subdfit.target.bvh import SegmentTree
 from subdfit.target.target import Target
 
 Floats = NDArray[np.float64]
 
 TOUCHING = 1e-9
 """A sample this near its foot has no direction in which it is off."""
+
+CURVE_PLACES = np.array([0.25, 0.5, 0.75])
+"""Where along a side its curve is sampled."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,3 +97,33 @@ def inner_samples(surface: LimitSurface, target: Target, cells: NDArray[np.int64
     places = np.concatenate([middle[:, None], (middle[:, None] + CORNERS[shape]) / 2], axis=1)
     row, column = np.nonzero(np.column_stack([np.ones(len(cells), np.bool_), present]))
     return Samples.of(surface, target, cells[row].astype(np.int32), np.ascontiguousarray(places[row, column]))
+
+
+@dataclass(frozen=True, eq=False)
+class CurveSamples:
+    """Samples of a surface's curves, each with the nearest segment of the target's.
+
+    Attributes
+    ----------
+    face, uv : (k,) int32 and (k, 2), where they lie.
+    foot, along : (k, 3), the nearest point of the target's curves, and the segment's unit direction there.
+    """
+
+    face: NDArray[np.int32]
+    uv: Floats
+    foot: Floats
+    along: Floats
+
+    @classmethod
+    def of(cls, curves: SurfaceCurves, sides: NDArray[np.int64], tree: SegmentTree) -> "CurveSamples":
+        """Samples at the places `CURVE_PLACES` of some sides."""
+        side, t = np.repeat(sides, len(CURVE_PLACES)), np.tile(CURVE_PLACES, len(sides))
+        face, uv = curves.locate(side, t)
+        position = curves.surface.evaluate(face, uv).position
+        foot, along = tree.on_segments(tree.closest(position))
+        return cls(face, uv, foot, along)
+
+    def gaps(self, surface: LimitSurface) -> Floats:
+        """From each sample across the curve to the target's, (k, 3)."""
+        apart = self.foot - surface.evaluate(self.face, self.uv).position
+        return np.asarray(apart - np.einsum("kd,kd->k", apart, self.along)[:, None] * self.along)

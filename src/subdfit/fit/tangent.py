@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from subdfit.closest.curves import CurveProjection
 from subdfit.fit import _kernels as kernels
-from subdfit.fit.reverse import Samples
+from subdfit.fit.reverse import CurveSamples, Samples
 from subdfit.fit.state import FitState
 from subdfit.fit.system import Rows, System
 
@@ -39,6 +39,7 @@ class TangentSettings:
         slide until the surface folds.
     robust : distance beyond which a point's pull grows no more (Huber 1964).
     reverse_weight : weight of the samples of faces with few data points, drawn to the target.
+    curve_reverse : weight of the samples of curves with few data points, drawn to the target's curves.
     damping : the first Levenberg damping, against each control vertex's own weight.
     """
 
@@ -49,6 +50,7 @@ class TangentSettings:
     relaxation: float = 1e-3
     robust: float = np.inf
     reverse_weight: float = 0.03
+    curve_reverse: float = 1.0
     damping: float = 1e-3
 
 
@@ -104,6 +106,12 @@ def reverse_rows(state: FitState, settings: TangentSettings, samples: Samples, b
     return Rows(*state.surface.patch_weights(samples.face, samples.uv), metric, gaps[:, None] * samples.normal)
 
 
+def curve_reverse_rows(state: FitState, settings: TangentSettings, samples: CurveSamples) -> Rows:
+    """Rows that draw samples of the surface's curves to the target's."""
+    metric = _direction_metric(samples.along, settings.curve_reverse * settings.tangential, 1 / settings.tangential)
+    return Rows(*state.surface.patch_weights(samples.face, samples.uv), metric, samples.gaps(state.surface))
+
+
 def pull(gaps: Floats, settings: TangentSettings, bound: float) -> Floats:
     """Weight of each sample: it rises steeply, a barrier, from gaps of half of `bound` on, up to `MOST_PULL` times."""
     return np.asarray(settings.reverse_weight * np.clip((2 * gaps / bound) ** 4, 1.0, MOST_PULL))
@@ -140,7 +148,9 @@ def curve_weights(
     return weight
 
 
-def merit(state: FitState, samples: Samples, settings: TangentSettings, bound: float) -> float:
+def merit(
+    state: FitState, samples: Samples, on_curves: list[CurveSamples], settings: TangentSettings, bound: float
+) -> float:
     """The energy that decides whether a step is kept: weighted squares of all distances, footpoints being new."""
     inside = huber(np.maximum(state.excess[state.data.surface_rows], 0.0), settings.robust)
     curves = sum(
@@ -148,5 +158,6 @@ def merit(state: FitState, samples: Samples, settings: TangentSettings, bound: f
         for curve, rows in ((state.boundary, state.data.boundary), (state.crease, state.data.crease))
         if curve is not None
     )
+    between = sum(settings.curve_reverse * float(np.sum(found.gaps(state.surface) ** 2)) for found in on_curves)
     gaps = samples.gaps(state.surface)
-    return float(np.sum(inside) + curves + np.sum(pull(gaps, settings, bound) * gaps**2))
+    return float(np.sum(inside) + curves + between + np.sum(pull(gaps, settings, bound) * gaps**2))

@@ -254,8 +254,17 @@ class SegmentTree:
         if len(edges) == 0:
             raise InputError("closest points need at least one segment; got none")
         self.tree = TriangleTree(points, np.asarray(edges)[:, [0, 1, 1]])
+        self._ends = np.asarray(points)[np.asarray(edges)]
 
     def closest(self, queries: NDArray[np.float64]) -> ClosestOnSegments:
         """Closest points on the segments for `queries`, (q, 3) float64."""
         found = self.tree.closest(queries)
         return ClosestOnSegments(found.triangle, np.minimum(found.uv.sum(axis=1), 1.0), found.distance)
+
+    def on_segments(self, found: ClosestOnSegments) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The closest points, (q, 3), and the directions of their segments, (q, 3) unit vectors."""
+        begin, end = self._ends[found.segment, 0], self._ends[found.segment, 1]
+        along = end - begin
+        length = np.linalg.norm(along, axis=1, keepdims=True)
+        along = np.divide(along, length, out=np.zeros_like(along), where=length > 0)
+        return begin + found.parameter[:, None] * (end - begin), along
