@@ -32,9 +32,12 @@ def test_second_derivatives_against_differences_of_the_first(surface):
     assert np.abs(by_u[:, 1] - by_v[:, 0]).max() < 1e-5 * size(surface.control_mesh)
 
 
-@pytest.mark.parametrize("direction", [0.0, 0.3, 1.0])
+@pytest.mark.parametrize("direction", [0.0, 0.25, 1.0])
 def test_positions_converge_to_the_corner_without_turning_back(surface, direction):
-    """Along rays into a corner, at 2^-k: finite everywhere, the distance falls until it is rounding."""
+    """Along rays into a corner, at 2^-k: finite everywhere, the distance falls until it is rounding.
+
+    The rays' directions are such that parameters beside 1 are exact for as long as they differ from 1.
+    """
     domain = surface.domain
     powers = 2.0 ** -np.arange(3, 61)
     noise = 4e-16 * 10 * size(surface.control_mesh)
@@ -50,8 +53,7 @@ def test_positions_converge_to_the_corner_without_turning_back(surface, directio
         limit = surface.evaluate(face, np.tile(corner, (len(face), 1))).position
         distance = np.linalg.norm(value.position.reshape(len(face), -1, 3) - limit[:, None], axis=2)
         assert (distance[:, -1:] < 1e-8 * size(surface.control_mesh)).all()
-        # Nearer than 2^-45 a parameter beside 1 has few digits left.
-        assert (distance[:, 1:43] <= distance[:, :42] + noise).all()
+        assert (distance[:, 1:] <= distance[:, :-1] + noise).all()
 
 
 def test_derivatives_in_the_corners_are_of_the_size_of_the_mesh(surface):

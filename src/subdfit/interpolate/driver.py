@@ -1,5 +1,6 @@
 """One driver for all solvers: from data to control points, until a tolerance holds or nothing improves."""
 
+import logging
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Literal
@@ -12,6 +13,8 @@ from subdfit.interpolate.null_space import NullSpace
 from subdfit.interpolate.operator import LimitOperator
 from subdfit.interpolate.progressive import Step, chebyshev, over_relaxed, progressive
 from subdfit.mesh.topology import Topology
+
+logger = logging.getLogger(__name__)
 
 Floats = NDArray[np.float64]
 Status = Literal["within_tolerance", "best_effort", "interrupted"]
@@ -55,6 +58,9 @@ def interpolate_points(
 ) -> Interpolation:
     """Find control points with limit points at the data, to a tolerance that is a length.
 
+    Where B has an eigenvalue below 0, as Catmull-Clark's may beside inner vertices of two faces, all methods but ``cg``
+    diverge, and it takes over.
+
     Parameters
     ----------
     B
@@ -71,6 +77,10 @@ def interpolate_points(
     while True:
         points, interrupted = _iterate(METHODS[method](B, reachable, points), residuals, tolerance, most_iterations)
         true = float(B.distances(points, reachable).max())
+        if not interrupted and true > residuals[0] and len(residuals) < most_iterations and method != "cg":
+            logger.warning("%s does not converge on this mesh; cg takes over", method)
+            method, points = "cg", reachable
+            continue
         if interrupted or true <= tolerance or not true < least / 2 or len(residuals) >= most_iterations:
             break
         least = true

@@ -72,7 +72,7 @@ def _corrected(B: LimitOperator, V0: Floats, V: Floats, before: Floats, share: f
 
 
 def smallest_eigenvalue(B: LimitOperator) -> float:
-    """Smallest eigenvalue of B that is not 0; all are real and in [0, 1] but beside darts, where this is a real part.
+    """Smallest eigenvalue of B above 0; all are real and in [0, 1] but beside darts, where this is a real part.
 
     It is one less the largest of I - B, which Arnoldi's method finds well.
     """
