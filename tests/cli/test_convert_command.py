@@ -110,7 +110,9 @@ def test_bad_calls_write_nothing(quads, tmp_path, monkeypatch, capsys, call, say
     folder.mkdir()
     monkeypatch.chdir(folder)
     assert main(["convert", str(quads), *call, "--quiet"]) == 2
-    assert says in capsys.readouterr().err.splitlines()[-1]
+    said = capsys.readouterr().err
+    assert says in said
+    assert said.count("\n") == 1
     assert not list(folder.iterdir())
 
 

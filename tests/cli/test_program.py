@@ -1,14 +1,17 @@
 """The program: help, bad calls, failures, and the exit codes."""
 
+import logging
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import subdfit
 from subdfit.cli import main, options
 from subdfit.errors import MachineError
+from subdfit.mesh.repair import mend
 
 COMMANDS = ("fit", "interpolate", "measure", "subdivide", "demo")
 
@@ -108,5 +111,26 @@ def test_the_module_runs_as_a_program(sphere, tmp_path):
     call = [sys.executable, "-m", "subdfit", "fit", "missing.ply", "-o", str(tmp_path / "x.obj")]
     done = subprocess.run(call, capture_output=True, text=True)
     assert done.returncode == 2
-    # A slow start is told first.
-    assert done.stderr.splitlines()[-1] == "subdfit: error: missing.ply: no such file; check the path"
+    assert done.stderr == "subdfit: error: missing.ply: no such file; check the path\n"
+
+
+@pytest.mark.parametrize("quiet", [[], ["--quiet"]])
+def test_a_refusal_is_one_line_whatever_was_said_before(tmp_path, monkeypatch, capsys, quiet):
+    """Though reading and compiling took so long that they are worth a line, and something was mended."""
+    monkeypatch.setattr("subdfit.cli.console.PAUSE", 0.0)
+    points, path = np.random.default_rng(0).random((3000, 3)), tmp_path / "fan.ply"
+    subdfit.write(path, subdfit.MeshData(points, 3 * np.arange(4), np.ravel([[0, 1, 2], [0, 1, 3], [0, 1, 4]])))
+    said = []
+
+    def compiling(data, **how):
+        logging.getLogger("subdfit.compiled").info("compiling kernels")
+        logging.getLogger("subdfit.mesh.repair").warning("fan.ply: 2,995 isolated vertices left out")
+        said.append(how["name"])
+        return mend(data, **how)
+
+    monkeypatch.setattr("subdfit.api.targets.mend", compiling)
+    assert main(["fit", str(path), "-o", str(tmp_path / "x.obj"), *quiet]) == 2
+    assert said == ["fan.ply"]
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 1
+    assert lines[0].startswith("subdfit: error: fan.ply: ")

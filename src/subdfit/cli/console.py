@@ -1,6 +1,7 @@
 """What the user sees while a command works: one live line, or plain lines where there is no terminal.
 
-Everything but results goes to standard error.
+Everything but results goes to standard error. Plain lines wait until the input has proved usable, so that a refusal is
+one line, no more.
 """
 
 import logging
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from subdfit import ControlMesh, Progress
 
 PAUSE = 2.0
-"""Least seconds between two plain lines of progress, and before the first: a quick refusal is one line, no more."""
+"""Least seconds between two plain lines of progress, and before the first."""
 
 _SPOKEN = ("subdfit.compiled", "subdfit.api")
 """Loggers whose information the user is told; of the others only warnings."""
@@ -49,6 +50,7 @@ class Console(logging.Handler):
         self.best: ControlMesh | None = None
         self._best_error = float("inf")
         self._text = ""
+        self._waiting: list[str] | None = []
         self._begun = time.perf_counter()
         self._spoken = self._begun
         self._live: Any = None
@@ -83,10 +85,11 @@ class Console(logging.Handler):
         logger.propagate = self._before[1]
 
     def rest(self) -> None:
-        """Take the live line away, for good."""
+        """Take the live line away, for good, and say what has waited."""
         if self._live is not None:
             self._live.stop()
             self._live = None
+        self._usable()
 
     def emit(self, record: logging.LogRecord) -> None:
         """Show a message of the library."""
@@ -101,7 +104,8 @@ class Console(logging.Handler):
             self._write(f"subdfit: {message}")
 
     def error(self, message: str) -> None:
-        """Show why the command ends."""
+        """Show why the command ends, and of all that has waited nothing."""
+        self._waiting = []
         self.rest()
         self._write(f"subdfit: error: {message}")
 
@@ -112,6 +116,7 @@ class Console(logging.Handler):
 
     def progress(self, step: "Progress") -> None:
         """Show an iteration of a fit, and keep its control mesh if it is the best."""
+        self._usable()
         if step.max < self._best_error:
             self.best, self._best_error = step.control_mesh, step.max
         self._text = (
@@ -123,15 +128,23 @@ class Console(logging.Handler):
     def _line(self) -> str:
         return f"{self._text}, {time.perf_counter() - self._begun:.1f} s" if self._text else ""
 
+    def _usable(self) -> None:
+        """The input has proved usable: write the lines that have waited, and others from now on at once."""
+        waiting, self._waiting = self._waiting, None
+        for line in waiting or []:
+            self._write(line)
+
     def _plain(self) -> None:
         now = time.perf_counter()
-        if self._live is None and not self.quiet and now - self._spoken >= PAUSE:
+        if self._live is None and self._waiting is None and not self.quiet and now - self._spoken >= PAUSE:
             self._spoken = now
             self._write(f"subdfit: {self._line()}")
 
     def _write(self, line: str) -> None:
         if self._live is not None:
             self._live.console.print(line)
+        elif self._waiting is not None:
+            self._waiting.append(line)
         else:
             with suppress(BrokenPipeError):
                 sys.stderr.write(line + "\n")
