@@ -134,7 +134,7 @@ def test_size_and_place_do_not_matter(method: str, dome: Target) -> None:
     np.testing.assert_allclose(far.control_mesh.points - exact, 1024 * near.control_mesh.points, atol=rounding, rtol=0)
     assert far.measurement.max == near.measurement.max
     assert far.measurement.rms == near.measurement.rms
-    # Whether conjugate gradients take one step more hangs on the last digit: the paths part, what they cost hardly does.
+    # Whether conjugate gradients take a step more may hang on the last digit: paths part, what they cost hardly does.
     target = mesh_target(1000 * points + np.pi * exact, dome.triangles, creases="none")
     rounded = fit_target(target, asked)
     found = Projector(LimitSurface(rounded.control_mesh, "loop")).certain(target.points)

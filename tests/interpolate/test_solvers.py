@@ -79,6 +79,16 @@ def test_the_surface_passes_through_the_data(case):
         assert np.linalg.norm(at - data[vertex], axis=1).min() < 1e-10
 
 
+def test_where_iterations_diverge_cg_takes_over_and_that_is_told(caplog):
+    """Beside inner vertices of two faces Catmull-Clark's operator has an eigenvalue below 0."""
+    mesh = mesh_of("rhombic 2")
+    B, data = setting("catmull-clark", mesh)
+    assert np.linalg.eigvals(B.matrix.toarray()).real.min() < -0.01
+    found = interpolate_points(B, mesh.topology, data, "progressive", 1e-12, 10_000)
+    assert found.status == "within_tolerance"
+    assert caplog.messages == ["progressive does not converge on this mesh; cg takes over"]
+
+
 # Rates
 
 

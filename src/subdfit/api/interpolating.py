@@ -65,7 +65,7 @@ def interpolate(
     method
         ``cg`` solves corners, then curves, then the rest by conjugate gradients (by BiCGStab where no diagonal makes
         the system symmetric); ``progressive`` is the iteration of Cheng et al.; ``over-relaxation`` and ``chebyshev``
-        are that one with better factors.
+        are that one with better factors. Where an iteration diverges a warning says so, and ``cg`` takes over.
     fair
         Refine once, and of the surfaces through all vertices take the one of least thin-plate energy (Halstead, Kass
         and DeRose 1993). It has about four times the control vertices, and fewer ripples.
