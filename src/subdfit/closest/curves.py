@@ -36,6 +36,11 @@ class CurveProjection:
     tangent: Floats
     distance: Floats
 
+    def __getitem__(self, rows: NDArray[np.bool_]) -> "CurveProjection":
+        """Those of some points."""
+        parts = (self.side, self.t, self.face, self.uv, self.position, self.tangent, self.distance)
+        return CurveProjection(*(part[rows] for part in parts))
+
 
 class SurfaceCurves:
     """The boundary curves of a surface, or its creases: cell sides, chained through their ends.

@@ -55,7 +55,7 @@ def _refined_triangles(state: FitState, sides: Flags, whole_faces: bool, regular
         editor.improve_angles(region, max_rise=0)
     surface = LimitSurface(_control_mesh(editor.freeze(), state.surface.scheme.name), state.surface.scheme)
     face, uv, _ = editor.carried()
-    return FitState.follow(state.data, surface, face, uv)
+    return state.onto(surface, face, uv)
 
 
 def _open(state: FitState) -> MeshEditor:

@@ -6,19 +6,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.fit.adapt import refined
+from subdfit.fit.changes import cells_moved_by, changed_cells, ring
 from subdfit.fit.faults import Faults, all_sides, curve_sides, cutting_sides, large_enough
 from subdfit.fit.places import Places
-from subdfit.fit.reverse import CurveSamples, Samples, inner_samples, strays
+from subdfit.fit.reverse import CurveSamples, Samples, inner_samples, strays, strays_in
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import Errors, FitState
 from subdfit.fit.stop import CURVE_FACTOR, badness, error_that_matters
 from subdfit.fit.tangent import TangentSettings, curve_reverse_rows, merit, reverse_rows, tangent_step
+from subdfit.limit.surface import LimitSurface
 
 STEPS = 3
 """Most steps in a round."""
 GAIN = 0.9
 """A round ends when a step leaves more than this share of the energy."""
-ENOUGH = 16
+ENOUGH = 8
 """Points for each triangle of a face that take part in the steps while the control mesh still changes; errors are those
 of all points."""
 SPARSE = 3
@@ -36,6 +38,8 @@ LAST = 2
 """So few polygons are cut on all sides as well: one cut may go the wrong way."""
 LATE_DAMPING = 1e-2
 """Least damping after a late split, which has few points to hold it."""
+REACH = 2
+"""Rings of control vertices round the faults that move with them when faults are few."""
 NEARLY = 1.5
 """Errors within this many tolerances are nearly there: the reverse side is looked at."""
 ROBUST = 3.0
@@ -44,6 +48,9 @@ DAMPING_RANGE = (1e-6, 1.0)
 """Levenberg damping falls by 3 after a step that is kept and rises by 10 after one that is not, within this range."""
 GIVE = 1.05
 """A step is kept if it raises the error by no more than this factor; the driver keeps the best state."""
+
+
+Flags = NDArray[np.bool_]
 
 
 class Auto:
@@ -57,30 +64,53 @@ class Auto:
         self.weights = weights or TangentSettings(robust=robust)
         self._damping = self.weights.damping
         self._begun = self._drawn = False
-        self._seen: tuple[FitState, Samples] | None = None
+        self._seen: tuple[LimitSurface, Samples] | None = None
 
     def advance(self, state: FitState) -> FitState:
-        """One round: the control mesh is adapted, then moved until that gains little."""
+        """One round: the control mesh is adapted, then moved until that gains little; only there, if faults are few."""
         nearly = badness(state, self.settings.tolerance) <= NEARLY
-        topology = state.surface.topology
+        topology, focus = state.surface.topology, None
         if self._begun:
-            state = self.adapt(state)
+            state, focus = self.adapt(state)
         final = self._begun and state.surface.topology is topology
         self._begun, self._drawn = True, nearly
         samples = self._sparse(state)
         if nearly:
             samples = samples.joined(self._strays(state))
+        free = self._free(state, focus)
+        if focus is not None:
+            cells = cells_moved_by(state.surface, free)
+            some, rows = state.near(cells)
+            return state.followed(self._moved(some, samples[cells[samples.face]], free), rows)
         if final:
-            return self._moved(state, samples)
+            return self._moved(state, samples, free)
         some, rows = state.thinned(ENOUGH)
-        return state.followed(self._moved(some, samples), rows)
+        return state.followed(self._moved(some, samples, free), rows)
 
     def settled(self, state: FitState) -> bool:
         """Whether no sample of the surface strays beyond the tolerance."""
         bound = self.settings.tolerance.max
-        return bound is None or not np.any(np.abs(self._strays(state).gaps(state.surface)) > bound)
+        if bound is None:
+            return True
+        if np.any(np.abs(self._strays(state).gaps(state.surface)) > bound):
+            return False
+        # Samples were carried from state to state, and their density is that of an earlier one.
+        self._seen = None
+        return not np.any(np.abs(self._strays(state).gaps(state.surface)) > bound)
 
-    def _moved(self, state: FitState, samples: Samples) -> FitState:
+    def _free(self, state: FitState, focus: Flags | None) -> Flags:
+        """Control vertices that may move, (n,): all, or those within `REACH` rings of the focus."""
+        topology = state.surface.topology
+        free = np.ones(topology.vertex_count, np.bool_)
+        if focus is not None:
+            free = focus
+            for _ in range(REACH):
+                free = ring(topology, free)
+        if self.settings.fixed_boundary:
+            free[topology.edge_vertices[topology.boundary_edges].ravel()] = False
+        return free
+
+    def _moved(self, state: FitState, samples: Samples, free: Flags) -> FitState:
         """Steps, each kept if it lowers the energy with new footpoints, until one gains little."""
         bound = error_that_matters(self.settings.tolerance)
         low, high = DAMPING_RANGE
@@ -89,7 +119,7 @@ class Auto:
         for _ in range(STEPS):
             pulled = [reverse_rows(state, self.weights, samples, bound)]
             pulled += [curve_reverse_rows(state, self.weights, found) for found in on_curves]
-            points = tangent_step(state, self.weights, self._damping, pulled, self.settings.fixed_boundary)
+            points = tangent_step(state, self.weights, self._damping, pulled, free)
             moved = state.moved(points)
             left = merit(moved, samples, on_curves, self.weights, bound)
             # A step also serves what is in no error: the shape of the control mesh. That may cost a little.
@@ -103,29 +133,48 @@ class Auto:
                 break
         return state
 
-    def adapt(self, state: FitState) -> FitState:
-        """Refine where the error asks for it: cut each bad face in two, and halve bad curve sides."""
+    def adapt(self, state: FitState) -> tuple[FitState, Flags | None]:
+        """Refine where the error asks for it: cut each bad face in two, and halve bad curve sides.
+
+        Returns
+        -------
+        The state, and the control vertices to move, (n,): those of faces that are too far off, where these are few, and
+        what their refinement touched; None is all.
+        """
         tolerance = self.settings.tolerance
         state = state.refreshed(tolerance.max or 0.0)
         faces = self._bad_faces(state)
         few = len(faces) <= FEW * state.surface.topology.face_count
+        straying = self._stray_faces(state) if few else np.empty(0, np.int64)
+        focus = np.concatenate([faces, straying])
         # Strays are drawn back for a round before their faces are split.
         if few and self._drawn:
-            straying = large_enough(state, self._stray_faces(state))
-            straying = straying[~np.isin(straying, faces)]
-            faces = np.concatenate([faces, straying[: max(10, int(FEW * state.surface.topology.face_count))]])
+            found = large_enough(state, straying)
+            found = found[~np.isin(found, faces)]
+            faces = np.concatenate([faces, found[: max(10, int(FEW * state.surface.topology.face_count))]])
         last = few and (self._triangles(state) or len(faces) <= LAST)
         marks = all_sides(state, faces) if last else cutting_sides(state, faces)
         if tolerance.max is not None and not self.settings.fixed_boundary:
             marks |= curve_sides(state, CURVE_FACTOR * tolerance.max)
         marks = self._within_budget(state, marks, faces)
-        if not marks.any():
-            return state
-        if few:
-            self._damping = max(self._damping, LATE_DAMPING)
-        finer = refined(state, marks, regularise=not few)
+        finer = refined(state, marks, regularise=not few) if marks.any() else state
         budget = self.settings.max_control_vertices
-        return finer if budget is None or finer.surface.topology.vertex_count <= budget else state
+        if budget is not None and finer.surface.topology.vertex_count > budget:
+            finer = state
+        if few and finer is not state:
+            self._damping = max(self._damping, LATE_DAMPING)
+        return finer, self._focus(state, finer, focus, marks) if few and len(focus) else None
+
+    def _focus(self, state: FitState, finer: FitState, faces: NDArray[np.int64], marks: Flags) -> Flags | None:
+        """Corners of some faces, ends of marked sides, and all new vertices; None where mean or rms ask for all."""
+        if not replace(self.settings.tolerance, max=None).met(np.inf, finer.errors.rms, finer.errors.mean):
+            return None
+        topology = state.surface.topology
+        chosen = marks | all_sides(state, faces)
+        focus = np.ones(finer.surface.topology.vertex_count, np.bool_)
+        focus[: topology.vertex_count] = False
+        focus[topology.face_vertices[chosen]] = focus[topology.face_vertices[topology.following[chosen]]] = True
+        return focus
 
     @staticmethod
     def _triangles(state: FitState) -> bool:
@@ -153,8 +202,14 @@ class Auto:
         bound = self.settings.tolerance.max
         if bound is None or state.data.target.cloud:
             return Samples.none()
-        if self._seen is None or self._seen[0] is not state:
-            self._seen = (state, strays(state.surface, state.data.target, bound / 2))
+        surface, target = state.surface, state.data.target
+        if self._seen is None:
+            self._seen = (surface, strays(surface, target, bound / 2))
+        elif self._seen[0] is not surface:
+            before, found = self._seen
+            changed = changed_cells(before, surface)
+            kept = found[~changed[found.face]] if not changed.all() else Samples.none()
+            self._seen = (surface, kept.joined(strays_in(surface, target, bound / 2, changed)))
         return self._seen[1]
 
     def _stray_faces(self, state: FitState) -> NDArray[np.int64]:
@@ -187,7 +242,7 @@ class Auto:
         ratios = [e / b for e, b in ((errors.rms, asked.rms), (errors.mean, asked.mean)) if b is not None]
         return max(ratios) - 1
 
-    def _within_budget(self, state: FitState, marks: NDArray[np.bool_], faces: NDArray[np.int64]) -> NDArray[np.bool_]:
+    def _within_budget(self, state: FitState, marks: Flags, faces: NDArray[np.int64]) -> Flags:
         """Drop marks, all but those of the worst faces, where they would exceed the budget of vertices."""
         budget = self.settings.max_control_vertices
         if budget is None:

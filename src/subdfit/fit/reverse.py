@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from subdfit.closest.curves import SurfaceCurves
 from subdfit.limit.surface import LimitSurface
-from subdfit.limit.tessellate import lattice
+from subdfit.limit.tessellate import grid_nodes, lattice
 from subdfit.measure import reverse_segments
-from subdfit.schemes.domain import CORNERS
+from subdfit.schemes.domain import CORNERS, QUAD, TRIANGLE
 from subdfit.target.bvh import SegmentTree
 from subdfit.target.target import Target
 
@@ -72,6 +72,10 @@ class Samples:
         height = np.einsum("kd,kd->k", apart, self.normal)
         return np.asarray(np.sign(height) * np.maximum(np.abs(height) - self.allowance, 0.0))
 
+    def __getitem__(self, rows: NDArray[np.bool_]) -> "Samples":
+        """Some of these."""
+        return Samples(self.face[rows], self.uv[rows], self.foot[rows], self.normal[rows], self.allowance[rows])
+
     def joined(self, other: "Samples") -> "Samples":
         """These and others."""
         return Samples(
@@ -87,6 +91,17 @@ def strays(surface: LimitSurface, target: Target, bound: float) -> Samples:
     """Those of the certificate's samples that lie off the target by more than `bound` and the faceting there."""
     grid = lattice(surface.domain, reverse_segments(surface.domain))
     return Samples.of(surface, target, grid.face, grid.uv, bound)
+
+
+def strays_in(surface: LimitSurface, target: Target, bound: float, cells: NDArray[np.bool_]) -> Samples:
+    """The same for the flagged cells, (c,), alone."""
+    segments, found = reverse_segments(surface.domain), Samples.none()
+    for shape in (TRIANGLE, QUAD):
+        some = np.flatnonzero(cells & (surface.domain.shape == shape)).astype(np.int32)
+        places = np.array(grid_nodes(shape, segments)) / segments
+        uv = np.tile(places, (len(some), 1))
+        found = found.joined(Samples.of(surface, target, np.repeat(some, len(places)), uv, bound))
+    return found
 
 
 def inner_samples(surface: LimitSurface, target: Target, cells: NDArray[np.int64]) -> Samples:

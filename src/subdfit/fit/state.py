@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from subdfit.closest.curves import CurveProjection, SurfaceCurves
 from subdfit.closest.projection import Projection, Projector
+from subdfit.fit.changes import changed_cells
 from subdfit.fit.data import FitData
 from subdfit.fit.places import Places
 from subdfit.limit._kernels import order_by_cell
@@ -87,6 +88,35 @@ class FitState:
         """The same connectivity with other control points; footpoints follow from where they were."""
         return FitState.follow(self.data, self.surface.with_points(control_points), self.face, self.uv)
 
+    def onto(self, surface: LimitSurface, face: NDArray[np.int32], uv: Floats) -> "FitState":
+        """All points on a surface that differs in parts, from given places; where it does not differ these are exact."""
+        projector = Projector(surface, FOOTPOINT_TOLERANCE)
+        order = projector.order(face)
+        rows = order[changed_cells(self.surface, surface)[face[order]]]
+        found = projector.refine(self.data.points, face, uv, rows)
+        distance = self.distance.copy()
+        distance[rows] = found.distance[rows]
+        return replace(self, surface=surface, face=found.face, uv=found.uv, distance=distance).with_curves_of(surface)
+
+    def near(self, cells: NDArray[np.bool_]) -> tuple["FitState", NDArray[np.int64]]:
+        """The state of the points with a footpoint, on the surface or on a curve, in the flagged cells; and their rows."""
+        keep = cells[self.face]
+        for found, rows in ((self.boundary, self.data.boundary), (self.crease, self.data.crease)):
+            if found is not None:
+                keep[rows[cells[found.face]]] = True
+        return self._part(np.flatnonzero(keep))
+
+    def _part(self, rows: NDArray[np.int64]) -> tuple["FitState", NDArray[np.int64]]:
+        """The state of some points, rows ascending."""
+        if len(rows) == len(self.face):
+            return self, rows
+        boundary, crease = (
+            None if found is None else found[np.isin(at, rows)]
+            for found, at in ((self.boundary, self.data.boundary), (self.crease, self.data.crease))
+        )
+        some = replace(self, data=self.data.subset(rows), boundary=boundary, crease=crease)
+        return replace(some, face=self.face[rows], uv=self.uv[rows], distance=self.distance[rows]), rows
+
     def thinned(self, most: int) -> tuple["FitState", NDArray[np.int64]]:
         """The state of fewer points, evenly chosen, and of all points on curves; and their rows.
 
@@ -100,15 +130,13 @@ class FitState:
         share = np.minimum(most * (np.diff(topology.face_offsets) - 2), count)[face]
         keep = self.data.on_curves
         keep[order[(rank + 1) * share // count[face] > rank * share // count[face]]] = True
-        rows = np.flatnonzero(keep)
-        data = self.data if len(rows) == len(keep) else self.data.subset(rows)
-        return replace(self, data=data, face=self.face[rows], uv=self.uv[rows], distance=self.distance[rows]), rows
+        return self._part(np.flatnonzero(keep))
 
     def followed(self, some: "FitState", rows: NDArray[np.int64]) -> "FitState":
         """All points on the surface of `some`, whose `rows` know their footpoints already."""
-        face, uv = self.face.copy(), self.uv.copy()
-        face[rows], uv[rows] = some.face, some.uv
-        return FitState.follow(self.data, some.surface, face, uv)
+        face, uv, distance = self.face.copy(), self.uv.copy(), self.distance.copy()
+        face[rows], uv[rows], distance[rows] = some.face, some.uv, some.distance
+        return replace(self, distance=distance).onto(some.surface, face, uv)
 
     def refreshed(self, threshold: float) -> "FitState":
         """Look globally for nearer footpoints of the points farther than `threshold`."""

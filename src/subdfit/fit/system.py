@@ -16,6 +16,7 @@ from subdfit.limit.surface import LimitSurface
 from subdfit.parallel import map_chunks
 
 Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 PART = 24576
 """Rows whose sum is taken at one go; parts are added in their order, whatever the number of threads."""
@@ -86,7 +87,7 @@ class Rows:
 
 
 class System:
-    """Normal equations of all terms for the displacement of the control points, (n, 3)."""
+    """Normal equations of all terms for the displacement of the control points, (n, 3), zero where they are not free."""
 
     def __init__(
         self,
@@ -95,7 +96,7 @@ class System:
         damping: float,
         fairness: float,
         relaxation: float,
-        fixed_boundary: bool = False,
+        free: Flags,
     ) -> None:
         self.rows = Rows.joined(rows)
         self._local = surface.compiled.local_matrix
@@ -104,7 +105,7 @@ class System:
         self._count = surface.topology.vertex_count
         lumped = self._to_control(self.rows.transposed(self.rows.metric, self._points))
         trace = lumped[:, [0, 3, 5]].sum(axis=1)
-        mean = float(trace.mean()) / 3
+        mean = float(trace[free].mean()) / 3 if free.any() else 0.0
         self._damping = damping * trace[:, None] / 3 + 1e-9 * mean
         self._fairness = fairness * mean
         self._relaxation = relaxation * mean
@@ -113,8 +114,7 @@ class System:
         self._normals = Places(surface).normals()
         self._inverse = self._blocks(lumped)
         self._control = surface.control_mesh.points
-        if fixed_boundary:
-            self._inverse[t.edge_vertices[t.boundary_edges].ravel()] = 0.0
+        self._inverse[~free] = 0.0
 
     def _to_control(self, values: Floats) -> Floats:
         return np.asarray(values[: self._count] + self._local_t @ values[self._count :])

@@ -59,14 +59,14 @@ def tangent_step(
     settings: TangentSettings,
     damping: float,
     reverse: list[Rows],
-    fixed_boundary: bool = False,
+    free: NDArray[np.bool_],
 ) -> Floats:
     """Control points after one damped step from `state`, (n, 3).
 
-    The `reverse` terms are added to those of the data; with `fixed_boundary` the vertices on the boundary stay.
+    The `reverse` terms are added to those of the data; vertices that are not `free`, (n,), stay.
     """
     rows = [surface_rows(state, settings), *curve_rows(state, settings), *reverse]
-    system = System(state.surface, rows, damping, settings.fairness, settings.relaxation, fixed_boundary)
+    system = System(state.surface, rows, damping, settings.fairness, settings.relaxation, free)
     return state.surface.control_mesh.points + system.solve()
 
 
