@@ -18,7 +18,7 @@ from subdfit.schemes import SCHEMES
 from subdfit.schemes._level import Level
 from subdfit.schemes._quad_triangle_kinds import Corner, Regular, Strip, groups
 from subdfit.schemes._quad_triangle_masks import correction, ring_matrix
-from subdfit.schemes._quad_triangle_patches import parts
+from subdfit.schemes._quad_triangle_parts import parts
 from subdfit.schemes._quad_triangle_strips import NEAR, STRIPS, strips
 
 SCHEME = SCHEMES["quad-triangle"]
@@ -204,7 +204,7 @@ def test_only_cells_beside_seams_are_strips():
 
 @pytest.mark.parametrize("kind", [Strip(3, 0), Strip(3, 1), Strip(3, 2), Strip(3, 3), Strip(4, 0)])
 def test_strips_are_closed_under_refinement(kind):
-    for part in parts(kind):
+    for part in parts([kind])[0]:
         assert isinstance(part.kind, Regular | Strip)
         np.testing.assert_allclose(part.matrix.sum(axis=1), 1, rtol=0, atol=1e-15)
 
@@ -290,7 +290,7 @@ def test_there_is_a_strip_for_every_kind_and_turn():
 
 def test_corners_lead_to_polynomials_and_strips_alone():
     for order, position in [("QQTT", 0), ("TTQQ", 0), ("QTQT", 0), ("TQTQ", 0), ("TTTQ", 0)]:
-        first, *others = parts(Corner(order, position, closed=True, dart=False, pinned=False))
+        first, *others = parts([Corner(order, position, closed=True, dart=False, pinned=False)])[0]
         assert isinstance(first.kind, Corner)
         assert all(isinstance(part.kind, Regular | Strip) for part in others)
 

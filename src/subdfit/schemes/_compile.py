@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from subdfit.mesh.topology import Topology
 from subdfit.schemes._level import Level, Piece
-from subdfit.schemes.patch_table import PatchTable, PatchType, Strips
+from subdfit.schemes._type_store import Types
+from subdfit.schemes.patch_table import PatchTable, Strips
 from subdfit.schemes.scheme import Refinement
 
 Indices = NDArray[np.int32]
@@ -55,8 +56,8 @@ class FacePatches(Protocol):
         """
         ...
 
-    def type_of(self, kind: Hashable) -> PatchType:
-        """The type of a kind of patches."""
+    def types(self, kinds: list[Hashable]) -> Types:
+        """The types of kinds of patches."""
         ...
 
     def refine(self, topology: Topology) -> Refinement:
@@ -154,7 +155,7 @@ def _table(
     for kind in (kind for p in patches for kind in p.kinds):
         number.setdefault(kind, len(number))
     patch_type = np.concatenate([np.array([number[kind] for kind in p.kinds], np.int32)[p.which] for p in patches])
-    types = [rules.type_of(kind) for kind in number]
+    types = rules.types(list(number))
     sizes = np.concatenate([p.sizes for p in patches])
     return PatchTable(
         point_matrix=matrix,
@@ -164,11 +165,11 @@ def _table(
         patch_corner=np.concatenate([p.corner for p in patches]).astype(np.int8),
         patch_offset=np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64),
         patch_points=points,
-        type_size=np.array([kind.size for kind in types], np.int32),
-        type_levels=np.array([kind.levels for kind in types], np.int32),
-        type_offset=np.cumsum([0, *(len(kind.matrices) for kind in types)])[:-1].astype(np.int64),
-        type_strips=np.array([kind.strips for kind in types], np.int8).reshape(-1, 3),
-        matrices=np.concatenate([kind.matrices for kind in types]),
+        type_size=types.size,
+        type_levels=types.levels,
+        type_offset=types.offset,
+        type_strips=types.strips,
+        matrices=types.matrices,
         strips=rules.strips,
     )
 

@@ -1,4 +1,4 @@
-"""Matrices of an irregular type: the patch is subdivided towards its corner, for ever (Stam 1998)."""
+"""Matrices of irregular types: patches are subdivided towards their corners, for ever (Stam 1998)."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,35 +16,38 @@ def limit_mask(step: Matrix) -> Matrix:
 
 
 def towards_corner(
-    smaller: Matrix, polynomials: list[Matrix], mask: Matrix, tangents: Matrix, slots: tuple[int, int]
+    smaller: Matrix, polynomials: Matrix | list[Matrix], mask: Matrix, tangents: Matrix, slots: tuple[int, int]
 ) -> Matrix:
-    """All matrices of an irregular type, in the order that `PatchTable.matrices` documents.
+    """All matrices of irregular types of one size, in the order that `PatchTable.matrices` documents.
 
     Parameters
     ----------
     smaller
-        (n, n), one step of subdivision: the points of the child at the corner, a patch of the same type.
+        (..., n, n), one step of subdivision: the points of the child at the corner, a patch of the same type.
     polynomials
-        Three (STRIDE, n), the coefficients of the regular children after one step.
+        (..., 3, STRIDE, n), the coefficients of the regular children after one step.
     mask, tangents
-        (n,) and (2, n), limit point and limit tangents at the corner.
+        (..., n) and (..., 2, n), limit point and limit tangents at the corner.
     slots
         Which coefficients are those of u and v.
+
+    Returns
+    -------
+    ndarray
+        (..., numbers of a type).
     """
+    # Everything is transposed, as matrices are stored point by point.
+    children = np.swapaxes(np.asarray(polynomials), -1, -2)
+    out = np.zeros((*mask.shape[:-1], 3 * LEVELS + 1, mask.shape[-1], STRIDE))
+    out[..., :3, :, :] = children
     # Powers of the deflated matrix keep the digits of coefficients that shrink level by level.
-    power, deflated = np.eye(len(mask)), smaller - mask
-    blocks = []
-    for level in range(LEVELS):
-        for polynomial in polynomials:
-            if level == 0:
-                block = polynomial.copy()
-            else:
-                block = polynomial @ power
-                block[0] += mask
-            blocks.append(block.T.ravel())
-        power = deflated @ power
-    corner = np.zeros((STRIDE, len(mask)))
-    corner[0] = mask
-    corner[list(slots)] = tangents
-    blocks.append(corner.T.ravel())
-    return np.concatenate(blocks)
+    deflated = np.ascontiguousarray(np.swapaxes(smaller - mask[..., None, :], -1, -2))
+    power = deflated
+    for level in range(1, LEVELS):
+        block = out[..., 3 * level : 3 * level + 3, :, :]
+        np.matmul(power[..., None, :, :], children, out=block)
+        block[..., 0] += mask[..., None, :]
+        power = power @ deflated
+    out[..., -1, :, 0] = mask
+    out[..., -1, :, list(slots)] = np.moveaxis(tangents, -2, 0)
+    return out.reshape(*mask.shape[:-1], -1)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from subdfit.schemes._compile import Listed
 from subdfit.schemes._corner_type import CornerType, pack, unpack
 from subdfit.schemes._level import Level
+from subdfit.schemes._type_store import Types
 from subdfit.schemes.patch_table import LEVELS, NO_STRIPS, PatchType, Strips
 
 Indices = NDArray[np.int32]
@@ -87,13 +88,17 @@ class OneShapePatches:
         points, mirrors = self.points(level, faces[rows], corner, start, offsets)
         return Listed(rows, [unpack(int(key)) for key in kinds], which, corner, sizes, points, mirrors)
 
-    def type_of(self: OneShape, kind: Hashable) -> PatchType:
-        """The type of an irregular corner, or of none."""
-        assert isinstance(kind, CornerType)
-        faces, edges = np.array([kind.faces]), np.array([kind.edges])
-        if kind == REGULAR:
-            return PatchType(self.regular_size, 0, (-1, -1, -1), self.matrices(kind))
-        return PatchType(int(self.sizes(faces, edges)[0]), LEVELS, (-1, -1, -1), self.matrices(kind))
+    def types(self: OneShape, kinds: list[Hashable]) -> Types:
+        """The types of irregular corners, or of none."""
+        return Types.of([_type_of(self, kind) for kind in kinds])
+
+
+def _type_of(rules: OneShape, kind: Hashable) -> PatchType:
+    assert isinstance(kind, CornerType)
+    faces, edges = np.array([kind.faces]), np.array([kind.edges])
+    if kind == REGULAR:
+        return PatchType(rules.regular_size, 0, (-1, -1, -1), rules.matrices(kind))
+    return PatchType(int(rules.sizes(faces, edges)[0]), LEVELS, (-1, -1, -1), rules.matrices(kind))
 
 
 def _key(kind: CornerType) -> int:

@@ -14,7 +14,9 @@ def mirror(out, row, a, b, c):  # type: ignore[no-untyped-def]
 @kernel
 def rings(  # type: ignore[no-untyped-def]
     half_edges,
-    start,
+    begin,
+    sizes,
+    total,
     face_offsets,
     face_vertices,
     following,
@@ -35,25 +37,25 @@ def rings(  # type: ignore[no-untyped-def]
 
     Parameters
     ----------
-    half_edges, start : (k,), and (k + 1,) where each ring begins in the result.
+    half_edges, begin, sizes : (k,); begin is where each ring begins in the result, which has `total` rows.
     The others are arrays of a topology and its `Level`.
 
     Returns
     -------
     ndarray
-        (r, 3) int32: vertices a, b, c for the point a + b - c; b and c are -1 for the vertex a.
+        (total, 3) int32: vertices a, b, c for the point a + b - c; b and c are -1 for the vertex a.
     """
-    out = np.full((start[-1], 3), -1, np.int32)
+    out = np.full((total, 3), -1, np.int32)
     for k in range(len(half_edges)):
         h = half_edges[k]
         v = face_vertices[h]
         open_sector = sharp_count[v] > 1
-        begin = h if sharp_count[v] == 0 else first[h]
-        at, size, turn = start[k], start[k + 1] - start[k], 0
+        start = h if sharp_count[v] == 0 else first[h]
+        at, size, turn = begin[k], sizes[k], 0
         quad = face_offsets[face[h] + 1] - face_offsets[face[h]] == 4
         if open_sector and regular[h]:
             turn = size - position[h] * (2 if quad else 1)
-        g, last, i = begin, begin, 0
+        g, last, i = start, start, 0
         for _ in range(faces[h]):
             end = following[g]
             out[at + (i + turn) % size, 0] = face_vertices[end]
@@ -68,15 +70,15 @@ def rings(  # type: ignore[no-untyped-def]
         out[at + (i + turn) % size, 0] = face_vertices[last]
         if not regular[h]:
             continue
-        near, far = face_vertices[following[begin]], face_vertices[last]
+        near, far = face_vertices[following[start]], face_vertices[last]
         if quad:
-            across = face_vertices[preceding[begin]]
-            beside_near = face_vertices[following[following[begin]]]
+            across = face_vertices[preceding[start]]
+            beside_near = face_vertices[following[following[start]]]
             beside_far = face_vertices[preceding[last]]
             mirror(out, at + (i + 1 + turn) % size, far, far, beside_far)
             mirror(out, at + (i + 2 + turn) % size, v, v, across)
             mirror(out, at + (i + 3 + turn) % size, near, near, beside_near)
         else:
             mirror(out, at + (i + 1 + turn) % size, v, far, face_vertices[preceding[last]])
-            mirror(out, at + (i + 2 + turn) % size, v, near, face_vertices[preceding[begin]])
+            mirror(out, at + (i + 2 + turn) % size, v, near, face_vertices[preceding[start]])
     return out

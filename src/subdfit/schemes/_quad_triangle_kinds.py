@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from subdfit.mesh.topology import Topology
 from subdfit.schemes._level import Level
+from subdfit.schemes._quad_triangle_sectors import Sector
 
 Indices = NDArray[np.int32]
 Flags = NDArray[np.bool_]
@@ -47,6 +48,11 @@ class Corner(NamedTuple):
     closed: bool
     dart: bool
     pinned: bool
+
+    @property
+    def sector(self) -> Sector:
+        """The corner's sector."""
+        return Sector(self.order, self.closed, self.dart, self.pinned)
 
     @property
     def size(self) -> int:

@@ -11,12 +11,11 @@ from subdfit.mesh.topology import Topology
 from subdfit.schemes._level import Level, semi_sharp
 from subdfit.schemes._limits import LimitMasks, curve_weights, vertex_kinds
 from subdfit.schemes._quad_triangle_kinds import by_order
-from subdfit.schemes._quad_triangle_masks import limit_mask
-from subdfit.schemes._quad_triangle_patches import corner_rings
+from subdfit.schemes._quad_triangle_masks import pure_limit_mask
+from subdfit.schemes._quad_triangle_patches import ring_sizes, rings
+from subdfit.schemes._quad_triangle_sectors import Sector, limit_mask
 from subdfit.schemes.scheme import Refinement
 
-Rows = NDArray[np.int64]
-Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 
@@ -27,32 +26,35 @@ class MixedLimits:
     refine: Callable[[Topology], Refinement]
 
     def masks(self, t: Topology) -> LimitMasks:
-        """Crease and corner; smooth vertices and darts by their rings, at larger faces than quads once refined."""
+        """Crease and corner; smooth vertices among triangles or quads alone; the others, and darts, by their rings.
+
+        Vertices at larger faces than quads have masks once they are refined.
+        """
         smooth, dart, crease, pinned = vertex_kinds(t)
+        size = np.diff(t.face_offsets)[t.face]
+        quads = np.bincount(t.face_vertices[size > 3], minlength=t.vertex_count)
         waiting = semi_sharp(t)
-        waiting[t.face_vertices[np.diff(t.face_offsets)[t.face] > 4]] = True
-        return LimitMasks(curve_weights(crease, pinned), smooth | dart, waiting)
+        waiting[t.face_vertices[size > 4]] = True
+        weights = curve_weights(crease, pinned)
+        mixed = (quads > 0) & (quads < t.valence)
+        pure = smooth & ~mixed
+        weights[pure, :3] = np.column_stack(pure_limit_mask(t.valence[pure], quads[pure]))
+        return LimitMasks(weights, dart | (smooth & mixed), waiting)
 
     def ring_rows(self, level: Level, vertices: Flags) -> sp.csr_array:
-        """Rows by the order of the faces round a vertex."""
-        entries = [
-            entry
-            for dart in (False, True)
-            for entry in _inner_masks(level, np.flatnonzero(vertices & (level.sharp_count == int(dart))), dart)
-        ]
-        rows, columns, values = (np.concatenate(arrays) for arrays in zip(*entries, strict=True))
-        return sp.csr_array((values, (rows, columns)), shape=(len(vertices), len(vertices)))
-
-
-def _inner_masks(level: Level, vertices: Rows, dart: bool) -> list[tuple[Rows, Rows, Floats]]:
-    """Rows, columns and weights of smooth vertices, or of darts, whose rings begin at the sharp edge."""
-    t, found = level.topology, []
-    half_edges = t.outgoing[vertices]
-    if dart:
-        half_edges = level.first[half_edges]
-    for order, chosen in by_order(t, level.preceding, half_edges):
-        mask = limit_mask(order, dart)
-        ring = corner_rings(level, half_edges[chosen])[:, :, 0]
-        columns = np.column_stack([vertices[chosen], ring]).ravel()
-        found.append((np.repeat(vertices[chosen], len(mask)), columns, np.tile(mask, len(chosen))))
-    return found
+        """Rows by the order of the faces round a vertex; a dart's ring begins at its sharp edge."""
+        t, rows = level.topology, np.flatnonzero(vertices)
+        dart = level.sharp_count[rows] == 1
+        half_edges = np.where(dart, level.first[t.outgoing[rows]], t.outgoing[rows])
+        sizes = ring_sizes(level)[half_edges] + 1
+        start = np.concatenate([[0], np.cumsum(sizes)])
+        columns = rings(level, half_edges.astype(np.int64), start[:-1] + 1, sizes - 1, int(start[-1]))[:, 0]
+        columns[start[:-1]] = rows
+        values = np.empty(len(columns))
+        for sharp in (False, True):
+            some = np.flatnonzero(dart == sharp)
+            for order, chosen in by_order(t, level.preceding, half_edges[some]):
+                mask = limit_mask(Sector(order, dart=sharp))
+                values[start[some[chosen]][:, None] + np.arange(len(mask))] = mask
+        offsets = np.concatenate([[0], np.cumsum(np.bincount(rows, sizes, len(vertices)))]).astype(np.int64)
+        return sp.csr_array((values, columns, offsets), shape=(len(vertices), len(vertices)))

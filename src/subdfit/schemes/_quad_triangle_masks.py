@@ -25,7 +25,7 @@ def smooth_mask(faces: Counts, quads: Counts, correction: Matrix) -> VertexMask:
     The step that this makes is multiplied by 1 + `correction`.
     """
     n = np.asarray(faces, np.float64)
-    alpha = (3 / 8 + np.cos(2 * np.pi / n) / 4) ** 2 + 3 / 8
+    alpha = _alpha(n)
     weight = 1 / (1 + n / 2 + quads / 4)
     kinds = [np.equal(quads, 0), np.equal(quads, faces)]
     edge = np.select(kinds, [(1 - alpha) / n, 1 / n**2], weight / 4) * (1 + correction)
@@ -33,29 +33,58 @@ def smooth_mask(faces: Counts, quads: Counts, correction: Matrix) -> VertexMask:
     return VertexMask(1 - n * edge - quads * centroid, edge, centroid)
 
 
-def ring_matrix(order: str, correction: float = 0.0, dart: bool = False) -> Matrix:
+def pure_limit_mask(faces: Counts, quads: Counts) -> VertexMask:
+    """Return the limit mask of smooth vertices among quads alone (Catmull-Clark) or triangles alone (Loop).
+
+    It holds where the neighbours are not such vertices, too. Faces have four corners at most.
+    """
+    n = np.asarray(faces, np.float64)
+    among_quads = np.equal(quads, faces)
+    beta = 3 / (11 - 8 * _alpha(n))
+    own = np.where(among_quads, (n - 1) / (n + 5), beta)
+    edge = np.where(among_quads, 2 / (n * (n + 5)), (1 - beta) / n)
+    return VertexMask(own, edge, np.where(among_quads, 4 / (n * (n + 5)), 0.0))
+
+
+def _alpha(n: Matrix) -> Matrix:
+    """Loop's weight of a vertex itself (1987)."""
+    return np.asarray((3 / 8 + np.cos(2 * np.pi / n) / 4) ** 2 + 3 / 8)
+
+
+def ring_matrix(
+    order: str, correction: float = 0.0, dart: bool = False, closed: bool = True, pinned: bool = False
+) -> Matrix:
     """One step of subdivision of a vertex and its ring, (k, k).
 
     The points are the vertex, its neighbours by edge, then the far corners of its quads; faces have four corners at
-    most. A `dart`'s sharp edge is edge 0.
+    most. A `dart`'s sharp edge is edge 0; a sector that is not `closed` has one more edge than faces, and its first and
+    last are sharp; a `pinned` vertex stays.
     """
-    n, quads = len(order), order.count("Q")
-    x = np.eye(1 + n + quads)
-    v, e = x[0], x[1 : n + 1]
-    corners = iter(x[n + 1 :])
-    centroid = {i: (v + e[i] + e[(i + 1) % n] + next(corners)) / 4 for i in range(n) if order[i] == "Q"}
+    n, quads, edges = len(order), order.count("Q"), len(order) + (not closed)
+    x = np.eye(1 + edges + quads)
+    v, e = x[0], x[1 : edges + 1]
+    corners = iter(x[edges + 1 :])
+    centroid = {i: (v + e[i] + e[(i + 1) % edges] + next(corners)) / 4 for i in range(n) if order[i] == "Q"}
     mask = smooth_mask(np.array(n), np.array(quads), np.array(correction))
-    new_v = mask.own * v + mask.edge * e.sum(axis=0) + mask.centroid * sum(centroid.values(), np.zeros(len(x)))
+    if pinned:
+        new_v = v
+    elif not closed:
+        new_v = (6 * v + e[0] + e[-1]) / 8
+    else:
+        new_v = mask.own * v + mask.edge * e.sum(axis=0) + mask.centroid * sum(centroid.values(), np.zeros(len(x)))
 
     def share(i: int, face: int, other: int) -> Matrix:
         """What a face beside edge i adds to its new point: 1/4 in all."""
         added: Matrix = centroid[face] / 4 if face in centroid else (v + e[i] + 2 * e[other]) / 16
         return added
 
-    edges = [(v + e[i]) / 4 + share(i, i, (i + 1) % n) + share(i, (i - 1) % n, (i - 1) % n) for i in range(n)]
-    if dart:
-        edges[0] = (v + e[0]) / 2
-    return np.array([new_v, *edges, *centroid.values()])
+    def middle(i: int) -> Matrix:
+        """The new point of edge i."""
+        if (dart and i == 0) or (not closed and i in (0, n)):
+            return np.asarray((v + e[i]) / 2)
+        return np.asarray((v + e[i]) / 4 + share(i, i, (i + 1) % edges) + share(i, (i - 1) % n, (i - 1) % n))
+
+    return np.array([new_v, *map(middle, range(edges)), *centroid.values()])
 
 
 def correction(order: str) -> float:
@@ -95,17 +124,3 @@ def _largest_correction(order: str) -> float:
     """
     step = ring_matrix(order)
     return float(1 / (np.linalg.solve(step, np.eye(len(step))[0])[0] - 1))
-
-
-@cache
-def limit_mask(order: str, dart: bool = False) -> Matrix:
-    """Weights of an inner vertex and its ring, counter-clockwise from edge 0, for its limit point.
-
-    They are the left eigenvector of eigenvalue one, which depends on the cyclic order of the faces.
-    """
-    step = ring_matrix(order, correction(order), dart)
-    system = np.vstack([step.T - np.eye(len(step)), np.ones(len(step))])
-    weights = np.linalg.lstsq(system, np.r_[np.zeros(len(step)), 1.0], rcond=None)[0]
-    edges, far = weights[1 : len(order) + 1], iter(weights[len(order) + 1 :])
-    turn = [[edge, next(far)] if face == "Q" else [edge] for edge, face in zip(edges, order, strict=True)]
-    return np.concatenate([weights[:1], *turn])

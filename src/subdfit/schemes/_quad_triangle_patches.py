@@ -1,10 +1,10 @@
-"""Patches over triangles and quads: their points, and what one step of subdivision makes of them.
+"""Patches over triangles and quads: their points, and which of their surroundings these are.
 
-The step is read off the scheme itself: a small mesh that holds a patch of the kind is refined, and the patches of its
-children are listed as any others are.
+The points of kinds of patches are read off examples: small meshes that hold one patch each, side by side.
 """
 
-from functools import cache
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -13,68 +13,82 @@ from numpy.typing import NDArray
 from subdfit.mesh.topology import Topology
 from subdfit.schemes import _quad_triangle_kernels as kernels
 from subdfit.schemes._level import Level
-from subdfit.schemes._loop_types import box_spline
-from subdfit.schemes._quad_patches import bicubic_basis
-from subdfit.schemes._quad_triangle_kinds import Corner, Kind, Regular, Strip, groups
+from subdfit.schemes._quad_triangle_kinds import Corner, Kind, Regular, Strip, groups, larger_faces
 from subdfit.schemes._quad_triangle_rules import refine
-from subdfit.schemes.scheme import Refinement
+from subdfit.schemes._type_store import Kept
 
 Indices = NDArray[np.int32]
 Rows = NDArray[np.int64]
-Matrix = NDArray[np.float64]
+
+KINDS = 2**13
+"""Kinds whose selections are kept."""
 
 
-class Example(NamedTuple):
-    """A small mesh with a patch of one kind, and the half-edge that leaves the patch's first corner."""
+class Points(NamedTuple):
+    """Points of patches, ragged.
 
-    level: Level
-    half_edge: int
-
-
-class Part(NamedTuple):
-    """A quarter of a patch after one step.
-
-    `turn` is the corner of the quarter at which its own patch begins; `matrix` takes the patch's points to its points.
+    Attributes
+    ----------
+    start : (k + 1,) where each patch's begin.
+    corners : (p, 3) int32, vertices a, b, c for the point a + b - c; b and c are -1 for the vertex a.
     """
 
-    kind: Kind
-    turn: int
-    matrix: Matrix
+    start: Rows
+    corners: Indices
 
 
-def list_points(level: Level, kind: Kind, half_edges: Rows) -> Indices:
-    """Points of patches of one kind, given by the half-edges (k,) that leave their first corners.
+def list_points(level: Level, kinds: Sequence[Kind], which: Rows, half_edges: Rows) -> Points:
+    """Points of patches, given by the half-edges (k,) that leave their first corners, and rows (k,) of their kinds.
 
     The first corner comes first, then its ring, which begins with the face's other corners where it goes all round,
     then what the rings of the other corners add.
-
-    Returns
-    -------
-    ndarray
-        (k, size, 3): vertices a, b, c for the point a + b - c; b and c are -1 for the vertex a.
     """
-    return _surroundings(level, kind.size, half_edges)[:, _selection(kind)]
+    found = _surroundings(level, half_edges)
+    selections = _SELECTIONS.of(kinds)
+    length = np.array([len(chosen) for chosen in selections], np.int64)
+    sizes = length[which]
+    start = np.concatenate([[0], np.cumsum(sizes)])
+    within = np.arange(start[-1]) - np.repeat(start[:-1], sizes)
+    chosen = np.concatenate([np.empty(0, np.int64), *selections])
+    place = chosen[np.repeat((np.cumsum(length) - length)[which], sizes) + within]
+    return Points(start, found.corners[np.repeat(found.start[:-1], sizes) + place])
 
 
-def _surroundings(level: Level, corners: int, half_edges: Rows) -> Indices:
-    """First corners and the rings of all corners, one after the other, (k, s, 3)."""
-    t, h = level.topology, half_edges
-    origin = np.full((len(h), 1, 3), -1, np.int32)
-    origin[:, 0, 0] = t.face_vertices[h]
-    found = [origin]
-    for _ in range(corners):
-        found.append(corner_rings(level, h))
-        h = t.following[h].astype(np.int64)
-    return np.concatenate(found, axis=1)
-
-
-def corner_rings(level: Level, half_edges: Indices | Rows) -> Indices:
-    """Rings round the origins of half-edges (k,) whose sectors are alike, (k, r, 3); see `kernels.rings`."""
+def _surroundings(level: Level, half_edges: Rows) -> Points:
+    """First corners of patches and the rings of all corners, one after the other."""
     t = level.topology
-    size = _ring_size(level, int(half_edges[0])) if len(half_edges) else 0
+    at = [half_edges]
+    for _ in range(3):
+        at.append(t.following[at[-1]].astype(np.int64))
+    heads = np.stack(at, axis=1)
+    sizes = np.ones((len(heads), 5), np.int64)
+    sizes[:, 1:] = ring_sizes(level)[heads]
+    sizes[heads[:, 3] == half_edges, 4] = 0
+    ends = np.cumsum(sizes)
+    begin = ends.reshape(sizes.shape) - sizes
+    present = sizes[:, 1:] > 0
+    corners = rings(level, heads[present], begin[:, 1:][present], sizes[:, 1:][present], int(sizes.sum()))
+    corners[begin[:, 0], 0] = t.face_vertices[half_edges]
+    return Points(np.append(begin[:, 0], len(corners)), corners)
+
+
+def ring_sizes(level: Level) -> Rows:
+    """Points of the rings round the origins of half-edges, (h,)."""
+    t = level.topology
+    larger = larger_faces(t)
+    quads = np.bincount(level.first, larger, len(level.first)).astype(np.int64)[level.first]
+    sizes = level.faces + quads + (level.sharp_count[t.face_vertices] > 1)
+    return np.where(level.regular, np.where(larger, 8, 6), sizes)
+
+
+def rings(level: Level, half_edges: Rows, begin: Rows, sizes: Rows, total: int) -> Indices:
+    """Rings round the origins of half-edges (k,) at rows `begin` (k,) of an array (total, 3); see `kernels.rings`."""
+    t = level.topology
     found: Indices = kernels.rings(
-        half_edges.astype(np.int64),
-        size * np.arange(len(half_edges) + 1),
+        half_edges,
+        begin,
+        sizes,
+        total,
         t.face_offsets,
         t.face_vertices,
         t.following,
@@ -87,127 +101,101 @@ def corner_rings(level: Level, half_edges: Indices | Rows) -> Indices:
         level.position,
         level.regular,
     )
-    return found.reshape(len(half_edges), size, 3)
+    return found
 
 
-def _ring_size(level: Level, half_edge: int) -> int:
-    """Points of the ring round the origin of a half-edge."""
-    t = level.topology
-    if level.regular[half_edge]:
-        return 8 if _corners(t, half_edge) == 4 else 6
-    size, h = int(level.sharp_count[t.face_vertices[half_edge]] > 1), level.first[half_edge]
-    for _ in range(level.faces[half_edge]):
-        size += 1 if _corners(t, h) == 3 else 2
-        h = t.twin[level.preceding[h]]
-    return size
+def _selections(kinds: list[Kind]) -> list[Rows]:
+    """Which of the surroundings of patches of each kind are its points.
+
+    Each point counts once; beside an irregular corner there are no mirror points.
+    """
+    level, half_edges = examples(kinds)
+    found = _surroundings(level, half_edges)
+    first = np.zeros(len(found.corners), np.bool_)
+    first[np.unique(found.corners, axis=0, return_index=True)[1]] = True
+    corner = np.array([isinstance(kind, Corner) for kind in kinds])
+    first &= (found.corners[:, 1] < 0) | ~np.repeat(corner, np.diff(found.start))
+    return [np.flatnonzero(first[begin:end]) for begin, end in pairwise(found.start)]
 
 
-def _corners(t: Topology, half_edge: int) -> int:
-    face = t.face[half_edge]
-    return int(t.face_offsets[face + 1] - t.face_offsets[face])
+_SELECTIONS = Kept(_selections, KINDS)
 
 
-@cache
-def _selection(kind: Kind) -> Rows:
-    """Which of a patch's surroundings are its points: each once; beside an irregular corner no mirror points."""
-    level, half_edge = example(kind)
-    points = _surroundings(level, kind.size, np.array([half_edge]))[0]
-    chosen = np.sort(np.unique(points, axis=0, return_index=True)[1])
-    return chosen[points[chosen, 1] < 0] if isinstance(kind, Corner) else chosen
+def patch_size(kind: Kind) -> int:
+    """Points of a patch."""
+    return len(_SELECTIONS.of([kind])[0])
 
 
-@cache
-def example(kind: Kind) -> Example:
-    """A patch of a kind."""
-    topology, face = _example_mesh(kind)
+class Examples(NamedTuple):
+    """Patches side by side, each in a small mesh of its own: the half-edges (k,) that leave their first corners."""
+
+    level: Level
+    half_edges: Rows
+
+
+class _Mesh(NamedTuple):
+    """Faces; a crease and a corner vertex, if any; the face that is a patch of a kind once the mesh is refined."""
+
+    faces: list[list[int]]
+    crease: list[list[int]]
+    corner: list[int]
+    patch: int
+
+
+def examples(kinds: Sequence[Kind]) -> Examples:
+    """A patch of each kind."""
+    faces: list[list[int]] = []
+    creases: list[list[int]] = []
+    corners: list[int] = []
+    patches, count = [], 0
+    for kind in kinds:
+        mesh = _example_mesh(kind)
+        patches.append(4 * len(faces) + mesh.patch)
+        faces += [[count + v for v in face] for face in mesh.faces]
+        creases += [[count + v for v in edge] for edge in mesh.crease]
+        corners += [count + v for v in mesh.corner]
+        count += 1 + max(map(max, mesh.faces))
+    topology = Topology.from_faces(
+        np.cumsum([0, *map(len, faces)]), np.concatenate(faces), count, creases or None, corner_vertices=corners or None
+    )
     level = Level.of(refine(topology).child)
-    (found,) = groups(level, np.array([face]))
-    assert found.kind == kind
-    return Example(level, int(found.half_edges[0]))
+    half_edges = np.full(len(kinds), -1, np.int64)
+    for group in groups(level, np.array(patches)):
+        assert all(kinds[row] == group.kind for row in group.rows)
+        half_edges[group.rows] = group.half_edges
+    assert (half_edges >= 0).all()
+    return Examples(level, half_edges)
 
 
-def _example_mesh(kind: Kind) -> tuple[Topology, int]:
-    """A mesh which, once refined, has a patch of a kind, and the face of the refined mesh that is it."""
+def _example_mesh(kind: Kind) -> _Mesh:
     match kind:
         case Corner():
-            return fan(kind), 4 * kind.position
+            return _fan(kind)
         case Regular():
             order = "TTTTTT" if kind.size == 3 else "QQQQ"
         case Strip(3, touching) if touching:
-            return _beside_triangle(touching), 3
+            return _beside_triangle(touching)
         case _:
             order = "TTTQQ" if kind.size == 3 else "QQTTT"
-    return fan(Corner(order, 0, closed=True, dart=False, pinned=False)), 0
+    return _fan(Corner(order, 0, closed=True, dart=False, pinned=False))
 
 
-def fan(kind: Corner) -> Topology:
+def _fan(kind: Corner) -> _Mesh:
     """Faces round vertex 0 with its tags; edge i of them ends in vertex 1 + i."""
-    faces = len(kind.order)
-    edges = faces if kind.closed else faces + 1
-    far = 1 + edges + np.cumsum([letter == "Q" for letter in kind.order]) - 1
-    corners = []
+    edges = len(kind.order) + (not kind.closed)
+    faces, count = [], 1 + edges
     for i, letter in enumerate(kind.order):
-        ends = 1 + i, 1 + (i + 1) % edges
-        corners.append([0, *ends] if letter == "T" else [0, ends[0], int(far[i]), ends[1]])
-    return Topology.from_faces(
-        np.cumsum([0, *map(len, corners)]),
-        np.concatenate(corners),
-        1 + edges + kind.order.count("Q"),
-        crease_edges=[[0, 1]] if kind.dart else None,
-        corner_vertices=[0] if kind.pinned else None,
-    )
+        first, last = 1 + i, 1 + (i + 1) % edges
+        faces.append([0, first, last] if letter == "T" else [0, first, count, last])
+        count += letter == "Q"
+    return _Mesh(faces, [[0, 1]] if kind.dart else [], [0] if kind.pinned else [], 4 * kind.position)
 
 
-def _beside_triangle(quads: int) -> Topology:
-    """A triangle with quads beyond its first sides, triangles beyond the others."""
-    corners, count = [[0, 1, 2]], 3
+def _beside_triangle(quads: int) -> _Mesh:
+    """A triangle with quads beyond its first sides, triangles beyond the others; its middle child is the patch."""
+    faces, count = [[0, 1, 2]], 3
     for side in range(3):
         new = 2 if side < quads else 1
-        corners.append([(side + 1) % 3, side, *range(count, count + new)])
+        faces.append([(side + 1) % 3, side, *range(count, count + new)])
         count += new
-    return Topology.from_faces(np.cumsum([0, *map(len, corners)]), np.concatenate(corners), count)
-
-
-@cache
-def parts(kind: Kind, turn: int = 0) -> list[Part]:
-    """The quarters of a patch, in the order of the parts of its cell, at whose corner `turn` it begins."""
-    level, half_edge = example(kind)
-    points = list_points(level, kind, np.array([half_edge]))[0]
-    step = refine(level.topology)
-    fine, size = Level.of(step.child), kind.size
-    weights = _rows(step, level.topology.vertex_count)
-    face = int(level.topology.face[half_edge])
-    corner = (half_edge - int(level.topology.face_offsets[face]) - turn) % size
-    children = 4 * face + np.array([3 if i == 3 and size == 3 else (corner + i) % size for i in range(4)])
-    found: dict[int, Part] = {}
-    for group in groups(fine, children):
-        for i, first in zip(group.rows, group.half_edges, strict=True):
-            # Where the quarter's own parameters begin; a triangle's children keep its order.
-            begin = int(fine.topology.face_offsets[children[i]]) + (corner if size == 3 else -i % size)
-            # A regular patch may begin at any corner.
-            half_edge = begin if isinstance(group.kind, Regular) else int(first)
-            matrix = _part_matrix(fine, group.kind, half_edge, points[:, 0], weights)
-            found[int(i)] = Part(group.kind, int(half_edge - begin) % size, matrix)
-    return [found[i] for i in range(4)]
-
-
-def _rows(step: Refinement, vertices: int) -> Matrix:
-    """The matrix of a step, dense: what becomes of unit points, three columns at a time."""
-    unit = np.eye(vertices, vertices + -vertices % 3)
-    columns = [step.refined(unit[:, k : k + 3]) for k in range(0, unit.shape[1], 3)]
-    return np.concatenate(columns, axis=1)[:, :vertices]
-
-
-def _part_matrix(fine: Level, kind: Kind, half_edge: int, columns: Indices, weights: Matrix) -> Matrix:
-    """Points of a patch of the refined mesh, from the vertices `columns` of the mesh."""
-    a, b, c = list_points(fine, kind, np.array([half_edge]))[0].T
-    rows = weights[a] + np.where(b >= 0, 1.0, 0.0)[:, None] * (weights[b] - weights[c])
-    matrix: Matrix = rows[:, columns]
-    assert np.allclose(matrix.sum(axis=1), 1), "a patch depends on its own points only"
-    return matrix
-
-
-@cache
-def polynomials(size: int) -> Matrix:
-    """Polynomials of a regular patch over a face of so many corners, (STRIDE, points)."""
-    return bicubic_basis() if size == 4 else box_spline()[:, [*range(7), 9, 8, 7, 10, 11]]
+    return _Mesh(faces, [], [], 3)

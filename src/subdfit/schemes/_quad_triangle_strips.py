@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from subdfit.schemes._loop_types import monomials
 from subdfit.schemes._quad_triangle_kinds import Regular, Strip
-from subdfit.schemes._quad_triangle_patches import Part, parts, polynomials
+from subdfit.schemes._quad_triangle_parts import Part, parts, polynomials
 from subdfit.schemes.domain import CORNERS
 from subdfit.schemes.patch_table import STRIDE, Strips
 
@@ -41,7 +41,8 @@ def relative(points: Matrix) -> Matrix:
 @cache
 def strips() -> Strips:
     """All strips."""
-    found = [[part_numbers(part) for part in parts(kind, turn)] for kind, turn in STRIPS]
+    kinds, turns = zip(*STRIPS, strict=True)
+    found = [[part_numbers(part) for part in quarters] for quarters in parts(kinds, turns)]
     child = np.array([[number for number, _ in row] for row in found], np.int8)
     steps = np.array([[_from_relative(matrix) for _, matrix in row] for row in found])
     ends = np.array([_touching_polynomial(child, steps, strip) for strip in range(len(STRIPS))])

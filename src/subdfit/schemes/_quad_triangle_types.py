@@ -1,21 +1,22 @@
 """Patches of the quad-triangle scheme as they are compiled: which faces are patches, and the types of their kinds."""
 
 from collections.abc import Hashable
-from functools import cache
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.mesh.topology import Topology
 from subdfit.schemes._compile import Listed
-from subdfit.schemes._corner_type import CornerType
-from subdfit.schemes._irregular import limit_mask, towards_corner
+from subdfit.schemes._irregular import towards_corner
 from subdfit.schemes._level import Level
-from subdfit.schemes._quad_triangle_kinds import Corner, Regular, Strip, groups
-from subdfit.schemes._quad_triangle_patches import list_points, parts, polynomials
+from subdfit.schemes._quad_triangle_kinds import Corner, Kind, Regular, Strip, groups
+from subdfit.schemes._quad_triangle_parts import Part, parts, polynomials
+from subdfit.schemes._quad_triangle_patches import list_points, patch_size
 from subdfit.schemes._quad_triangle_rules import refine
+from subdfit.schemes._quad_triangle_sectors import edge_tangents, limit_mask
 from subdfit.schemes._quad_triangle_strips import STRIPS, exponents, part_numbers, relative, strips
-from subdfit.schemes._tangents import limit_tangents
+from subdfit.schemes._type_store import Types, TypeStore
 from subdfit.schemes.patch_table import LEVELS, PatchType, Strips
 from subdfit.schemes.scheme import Refinement
 
@@ -38,63 +39,70 @@ class MixedPatches:
     def listed(self, level: Level, faces: Rows, offsets: Rows) -> Listed:
         """List the faces that are patches as they are."""
         found = groups(level, faces)
-        points = [list_points(level, group.kind, group.half_edges) for group in found]
+        kinds = [group.kind for group in found]
         rows = np.concatenate([np.empty(0, np.int64), *(group.rows for group in found)])
         half_edges = np.concatenate([np.empty(0, np.int64), *(group.half_edges for group in found)])
-        flat = np.concatenate([np.empty((0, 3), np.int32), *(block.reshape(-1, 3) for block in points)])
-        mirrored = flat[:, 1] >= 0
-        mirrors, number = np.unique(flat[mirrored], axis=0, return_inverse=True)
-        out = (flat[:, 0] + offsets[0]).astype(np.int32)
+        which = np.repeat(np.arange(len(found)), [len(group.rows) for group in found])
+        start, points = list_points(level, kinds, which, half_edges)
+        mirrored = points[:, 1] >= 0
+        mirrors, number = np.unique(points[mirrored], axis=0, return_inverse=True)
+        out = (points[:, 0] + offsets[0]).astype(np.int32)
         out[mirrored] = offsets[1] + number.ravel()
-        return Listed(
-            rows,
-            [group.kind for group in found],
-            np.repeat(np.arange(len(found)), [len(group.rows) for group in found]),
-            half_edges - level.topology.face_offsets[faces[rows]],
-            np.repeat([block.shape[1] for block in points], [len(block) for block in points]),
-            out,
-            mirrors,
-        )
+        corner = half_edges - level.topology.face_offsets[faces[rows]]
+        return Listed(rows, list[Hashable](kinds), which, corner, np.diff(start), out, mirrors)
 
-    def type_of(self, kind: Hashable) -> PatchType:
-        """The type of a kind."""
-        match kind:
-            case Regular():
-                matrix = polynomials(kind.size)
-                return PatchType(matrix.shape[1], 0, (-1, -1, -1), matrix.T.ravel())
-            case Strip():
-                size = parts(kind)[0].matrix.shape[1]
-                return PatchType(size, 0, (STRIPS.index((kind, 0)), -1, -1), relative(np.eye(size)).T.ravel())
-            case Corner():
-                return corner_type(kind)
-        raise TypeError(kind)
+    def types(self, kinds: list[Hashable]) -> Types:
+        """The types of kinds."""
+        return _STORE.types(cast(list[Kind], kinds))
 
 
-@cache
-def corner_type(kind: Corner) -> PatchType:
-    """The type of an irregular corner."""
-    found = parts(kind)
-    smaller = found[0].matrix
-    chosen = (1, 3, 2) if kind.size == 4 else (1, 2, 3)
-    numbers = [part_numbers(found[i]) for i in chosen]
-    mask, tangents = np.zeros(len(smaller)), np.zeros((2, len(smaller)))
-    ring = smaller[: ring_size(kind), : ring_size(kind)]
-    mask[: len(ring)] = limit_mask(ring)
-    tangents[:, : len(ring)] = corner_tangents(kind, ring)
-    slots = exponents(kind.size).index((1, 0)), exponents(kind.size).index((0, 1))
-    matrices = towards_corner(smaller, [matrix for _, matrix in numbers], mask, tangents, slots)
-    beside, before, between = (strip for strip, _ in numbers)
-    return PatchType(len(smaller), LEVELS, (beside, before, between), matrices)
+def _types(kinds: list[Kind]) -> list[PatchType]:
+    corners = [kind for kind in kinds if isinstance(kind, Corner)]
+    found = dict(zip(corners, _corner_types(corners), strict=True))
+    return [found[kind] if isinstance(kind, Corner) else _smooth_type(kind) for kind in kinds]
 
 
-def ring_size(kind: Corner) -> int:
-    """Points of a corner and its ring."""
-    return 1 + len(kind.order) + kind.order.count("Q") + (not kind.closed)
+_STORE = TypeStore(_types)
 
 
-def corner_tangents(kind: Corner, ring: Matrix) -> Matrix:
-    """Limit tangents along the edges of the patch at its corner, over the corner and its ring."""
-    far = np.cumsum([0, *(letter == "Q" for letter in kind.order)])
-    edges = 1 + np.arange(len(far)) + far
-    corner = CornerType(len(kind.order), kind.position, kind.closed, kind.dart, kind.pinned)
-    return limit_tangents(ring, corner, edges[: corner.edges])
+def _smooth_type(kind: Regular | Strip) -> PatchType:
+    """The type of a patch without an irregular corner."""
+    if isinstance(kind, Regular):
+        matrix, strip = polynomials(kind.size), -1
+    else:
+        matrix, strip = relative(np.eye(patch_size(kind))), STRIPS.index((kind, 0))
+    return PatchType(matrix.shape[1], 0, (strip, -1, -1), matrix.T.ravel())
+
+
+def _corner_types(kinds: list[Corner]) -> list[PatchType]:
+    """The types of irregular corners; those of one shape and size are made together."""
+    found = parts(kinds)
+    shapes = np.array([(kind.size, len(quarters[0].matrix)) for kind, quarters in zip(kinds, found, strict=True)])
+    out: dict[int, PatchType] = {}
+    for shape in np.unique(shapes.reshape(-1, 2), axis=0):
+        alike = np.flatnonzero((shapes == shape).all(axis=1))
+        out |= zip(alike.tolist(), _alike([kinds[i] for i in alike], [found[i] for i in alike]), strict=True)
+    return [out[i] for i in range(len(kinds))]
+
+
+def _alike(kinds: list[Corner], quarters: list[list[Part]]) -> list[PatchType]:
+    """The types of irregular corners of faces of one shape, whose patches have the same number of points."""
+    chosen, powers = ((1, 3, 2) if kinds[0].size == 4 else (1, 2, 3)), exponents(kinds[0].size)
+    numbers = [[part_numbers(own[i]) for i in chosen] for own in quarters]
+    smaller = np.array([own[0].matrix for own in quarters])
+    mask, tangents = np.zeros(smaller.shape[:2]), np.zeros((len(kinds), 2, smaller.shape[1]))
+    for i, kind in enumerate(kinds):
+        limit, edges = limit_mask(kind.sector), edge_tangents(kind.sector)
+        mask[i, : len(limit)] = limit
+        tangents[i, :, : len(limit)] = edges[[kind.position, (kind.position + 1) % len(edges)]]
+    matrices = towards_corner(
+        smaller,
+        np.array([[matrix for _, matrix in own] for own in numbers]),
+        mask,
+        tangents,
+        (powers.index((1, 0)), powers.index((0, 1))),
+    )
+    return [
+        PatchType(smaller.shape[1], LEVELS, (own[0][0], own[1][0], own[2][0]), block)
+        for own, block in zip(numbers, matrices, strict=True)
+    ]

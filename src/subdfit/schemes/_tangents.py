@@ -11,7 +11,12 @@ Matrix = NDArray[np.float64]
 
 
 def limit_tangents(step: Matrix, kind: CornerType, edge: NDArray[np.int64]) -> Matrix:
-    """Weights of V and its ring for two limit tangents, along the two edges of the patch at V.
+    """Weights of V and its ring for the two `edge_tangents` along the edges of the patch at V, (2, r)."""
+    return edge_tangents(step, kind, edge)[[kind.position, (kind.position + 1) % kind.edges]]
+
+
+def edge_tangents(step: Matrix, kind: CornerType, edge: NDArray[np.int64]) -> Matrix:
+    """Weights of V and its ring for limit tangents along all edges of V's sector, whatever the corner's position in it.
 
     They span the tangent plane where there is one, keep the direction of a crease's or the boundary's curve, and at a
     regular corner equal the derivatives by u and v.
@@ -28,7 +33,7 @@ def limit_tangents(step: Matrix, kind: CornerType, edge: NDArray[np.int64]) -> M
     Returns
     -------
     ndarray
-        (2, r).
+        (edges, r).
     """
     if kind.pinned and not kind.closed and _sharp_edges_span(step):
         tangents = _projected(step, edge)
@@ -42,7 +47,7 @@ def limit_tangents(step: Matrix, kind: CornerType, edge: NDArray[np.int64]) -> M
         tangents = _projected(step, edge)
     else:
         tangents = _beside_crease(step, edge)
-    return np.asarray(tangents[[kind.position, (kind.position + 1) % kind.edges]])
+    return np.asarray(tangents)
 
 
 def _sharp_edges_span(step: Matrix) -> bool:

@@ -12,7 +12,7 @@ from subdfit.errors import InputError
 from subdfit.mesh.topology import Topology
 from subdfit.schemes._cells import face_cells
 from subdfit.schemes._compile import compile_patches
-from subdfit.schemes._limits import limit_rows
+from subdfit.schemes._limits import limit_points, limit_rows
 from subdfit.schemes._quad_triangle_limits import MixedLimits
 from subdfit.schemes._quad_triangle_rules import refine, split
 from subdfit.schemes._quad_triangle_types import MixedPatches
@@ -66,7 +66,7 @@ class QuadTriangle:
 
     def limit_points(self, topology: Topology, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Limit points of control points."""
-        return np.asarray(self.limit_rows(topology) @ points)
+        return limit_points(MixedLimits(refine), topology, points)
 
     def patches(self, topology: Topology) -> PatchTable:
         """Compile for evaluation: exact but in strips beside seams, which are refined until they are negligible."""
