@@ -9,9 +9,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from subdfit.schemes._doo_sabin_child import child_topology
 from subdfit.schemes._doo_sabin_curves import Curves
 from subdfit.schemes._doo_sabin_masks import Face
-from subdfit.schemes._doo_sabin_refine import Numbers, child_topology
+from subdfit.schemes._doo_sabin_refine import Numbers
 from subdfit.schemes.domain import QUAD, Domain
 
 Rows = NDArray[np.integer]
@@ -109,6 +110,7 @@ class Cells:
             # An edge from a vertex on a plain curve ends there.
             ends = ~parent.inner[h]
             found[t.face_count + np.flatnonzero(ends)] = t.face_vertices[h[ends]]
-        polygons = parent.sector[(parent.sector == np.arange(len(parent.sector))) & ~parent.plain]
+        sector, _ = parent.sectors
+        polygons = sector[(sector == np.arange(len(sector))) & ~parent.plain]
         found[self.vertex_faces :] = t.face_vertices[polygons]
         return found

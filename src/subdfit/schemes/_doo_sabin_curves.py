@@ -30,43 +30,57 @@ class Curves:
     Attributes
     ----------
     topology : the mesh; what is sharp is sharp for ever.
-    preceding : (h,) int32, the half-edge before each in its face.
     sharp : (h,) bool.
     sharp_count : (n,) int64, sharp edges at each vertex.
-    sector, position, sector_size : (h,) int32, at each face corner the first outgoing half-edge of the faces between
-        two sharp edges (of all faces, off the curves), counter-clockwise; how many lie before; how many there are.
     corner : (n,) bool, where curves stop: tagged vertices on them, ends of three or more sharp edges, and vertices
         with a single face between two sharp edges.
     """
 
     topology: Topology
-    preceding: NDArray[np.int32]
     sharp: Flags
     sharp_count: Rows
-    sector: NDArray[np.int32]
-    position: NDArray[np.int32]
-    sector_size: NDArray[np.int32]
     corner: Flags
 
     @classmethod
     def of(cls, t: Topology) -> "Curves":
         """Find the curves of a mesh."""
-        sharp, before = np.ascontiguousarray(t.sharpness[t.edge] > 0), preceding(t)
+        sharp = (t.sharpness > 0)[t.edge]
         count = sharp_edges_round(t, sharp)
-        sector, size, position, _ = kernels.corner_sectors(
+        corner = (t.corner_sharpness > 0) | (count >= 3)
+        ends = np.flatnonzero(sharp)
+        after = t.following[ends]
+        corner[t.face_vertices[after[sharp[after]]]] = True
+        return cls(t, sharp, count, corner & (count > 0))
+
+    @cached_property
+    def preceding(self) -> NDArray[np.int32]:
+        """The half-edge before each in its face, (h,) int32."""
+        return preceding(self.topology)
+
+    def before(self, half_edges: Rows) -> Rows:
+        """The half-edges before those given in their faces."""
+        offsets, face = self.topology.face_offsets, self.topology.face[half_edges]
+        return np.where(half_edges == offsets[face], offsets[face + 1], half_edges) - 1
+
+    @cached_property
+    def sectors(self) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+        """The sector that each face corner is in: its first outgoing half-edge, and how many faces it has, (h,) int32.
+
+        It consists of the faces round a vertex between two sharp edges, counter-clockwise; of all, off the curves.
+        """
+        t = self.topology
+        first, size, _, _ = kernels.corner_sectors(
             t.face_offsets,
             t.face_vertices,
             t.following,
-            before,
+            self.preceding,
             t.face,
             t.twin,
-            sharp,
-            count,
+            self.sharp,
+            self.sharp_count,
             np.zeros(t.vertex_count, np.bool_),
         )
-        corner = (t.corner_sharpness > 0) | (count >= 3)
-        corner[t.face_vertices[size == 1]] = True
-        return cls(t, before, sharp, count, sector, position, size, corner & (count > 0))
+        return first, size
 
     @cached_property
     def sides(self) -> Rows:
@@ -89,7 +103,7 @@ class Curves:
         joined = sp.coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=shape)
         _, curve = connected_components(joined, directed=False)
         spoilt = np.zeros(t.vertex_count, np.bool_)
-        crowded = self.on_curve[vertex] & (self.sector_size != np.where(self.corner[vertex], 1, 2))
+        crowded = self.on_curve[vertex] & (self.sectors[1] != np.where(self.corner[vertex], 1, 2))
         spoilt[curve[vertex[crowded | (self.sharp & ~self._fits[t.face])]]] = True
         return np.asarray(self.sharp & ~spoilt[curve[vertex]])
 
@@ -97,8 +111,9 @@ class Curves:
     def _fits(self) -> Flags:
         """Faces that may be halves or quarters, (f,)."""
         face = self.topology.face
-        number = np.bincount(face[self.sharp], minlength=len(self.sides))
-        bent = np.bincount(face[self.sharp & self.sharp[self.preceding]], minlength=len(self.sides))
+        ends = np.flatnonzero(self.sharp)
+        number = np.bincount(face[ends], minlength=len(self.sides))
+        bent = np.bincount(face[ends[self.sharp[self.topology.following[ends]]]], minlength=len(self.sides))
         return np.asarray((self.sides >= 4) & ((number == 1) | ((number == 2) & (bent == 1))))
 
     @cached_property
@@ -112,14 +127,16 @@ class Curves:
         start = self.topology.face_offsets[:-1].astype(np.int64)
         begins = np.flatnonzero(self.plain)
         quarter = self.kind[self.topology.face[begins]] == Face.QUARTER
-        begins = begins[~quarter | self.plain[self.preceding[begins]]]
+        begins = begins[~quarter | self.plain[self.before(begins)]]
         start[self.topology.face[begins]] = begins
         return start
 
     @cached_property
     def inner(self) -> Flags:
         """Face corners whose new vertex lies inside the surface, (h,): all but those on plain curves."""
-        return np.asarray(~(self.plain | self.plain[self.preceding]))
+        on_curve = self.plain.copy()
+        on_curve[self.topology.following[np.flatnonzero(self.plain)]] = True
+        return ~on_curve
 
     def corners(self, face: Rows, sides: int) -> Rows:
         """Half-edges of faces of so many sides, (k, sides), in the order of their masks."""

@@ -85,7 +85,7 @@ class Points:
         kind, start = c.kind[t.face[corner]], c.start[t.face[corner]]
         beyond = t.following[t.following[corner]]
         # In a half A, B, y1, y2 it is the image of the other one inside.
-        other = np.where(beyond == start, t.following[corner], c.preceding[corner])
+        other = np.where(beyond == start, t.following[corner], c.before(corner))
         found = np.where(kind == Face.HALF, self.image[other], t.face_vertices[beyond])
         return np.where(kind == Face.QUARTER, self.image[corner], found)
 

@@ -1,4 +1,4 @@
-"""One step of Doo-Sabin subdivision: the refined connectivity, and its points with or without a matrix.
+"""One step of Doo-Sabin subdivision: the new vertices, and their positions with or without a matrix.
 
 New vertices are, in this order: one for each face corner inside the surface, in the order of half-edges; two for each
 sharp edge, one for where a plain curve ends in a corner; the corners of curves.
@@ -13,8 +13,6 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from subdfit.mesh._topology_kernels import pair_half_edges
-from subdfit.mesh.topology import Topology
 from subdfit.schemes import _doo_sabin_kernels as kernels
 from subdfit.schemes._doo_sabin_curves import Curves
 from subdfit.schemes._doo_sabin_masks import Face, averaging_mask, half_mask, original_mask, quarter_mask
@@ -43,14 +41,16 @@ class Numbers:
     def ends(self) -> Rows:
         """Sharp half-edges that have a new vertex near their origin, in the order of these vertices."""
         c, t = self.curves, self.curves.topology
-        return np.flatnonzero(c.sharp & ~(c.plain & c.corner[t.face_vertices]))
+        sharp = np.flatnonzero(c.sharp)
+        return sharp[~(c.plain[sharp] & c.corner[t.face_vertices[sharp]])]
 
     @cached_property
     def boundary_ends(self) -> Rows:
         """Half-edges of the boundary that have one near their target, from which no half-edge comes back."""
         c, t = self.curves, self.curves.topology
-        target = t.face_vertices[t.following]
-        return np.flatnonzero((t.twin < 0) & ~(c.plain & c.corner[target]))
+        boundary = np.flatnonzero(t.twin < 0)
+        target = t.face_vertices[t.following[boundary]]
+        return boundary[~(c.plain[boundary] & c.corner[target])]
 
     @cached_property
     def corners(self) -> Rows:
@@ -73,7 +73,9 @@ class Numbers:
     def target(self) -> NDArray[np.int32]:
         """The new vertex on the curve near each half-edge's target, (h,), -1 for none."""
         twin = self.curves.topology.twin
-        found = np.where(twin < 0, np.int32(-1), self.origin[twin])
+        found = np.full(len(twin), -1, np.int32)
+        inside = np.flatnonzero(self.curves.sharp & (twin >= 0))
+        found[inside] = self.origin[twin[inside]]
         found[self.boundary_ends] = self.inner_count + len(self.ends) + np.arange(len(self.boundary_ends))
         return found
 
@@ -88,72 +90,31 @@ class Numbers:
     def of_face_corner(self) -> NDArray[np.int32]:
         """The new vertex at each face corner, (h,)."""
         c = self.curves
-        before = c.preceding
-        found = np.where(c.plain, self.origin, self.target[before])
-        bent = c.plain & c.plain[before]
+        found = np.cumsum(c.inner, dtype=np.int32) - np.int32(1)
+        beside = np.flatnonzero(~c.inner)
+        before = c.before(beside)
+        found[beside] = np.where(c.plain[beside], self.origin[beside], self.target[before])
+        bent = beside[c.plain[beside] & c.plain[before]]
         found[bent] = self.corner[c.topology.face_vertices[bent]]
-        found[c.inner] = np.arange(self.inner_count, dtype=np.int32)
         return found
 
     @property
-    def vertices(self) -> tuple[NDArray[np.int32], NDArray[np.bool_]]:
-        """The vertex that each new vertex is nearest to, and whether that vertex's limit depends on it.
+    def end_vertices(self) -> NDArray[np.int32]:
+        """The vertex that each new vertex on a curve, but for those of corners, is nearest to."""
+        t = self.curves.topology
+        return np.concatenate([t.face_vertices[self.ends], t.face_vertices[t.following[self.boundary_ends]]])
 
-        What is inside the surface has no say in the limits of vertices on curves, nor these in those of corners.
-        """
-        c, t = self.curves, self.curves.topology
-        inner = t.face_vertices[c.inner]
-        ends = np.concatenate([t.face_vertices[self.ends], t.face_vertices[t.following[self.boundary_ends]]])
-        vertices = np.concatenate([inner, ends, self.corners.astype(np.int32)])
+    @property
+    def means(self) -> sp.csr_array:
+        """Limits of the vertices: means of the new ones that stand for them, (n, new); see `DualRows.limits`."""
+        c, ends = self.curves, self.end_vertices
+        inner = c.topology.face_vertices[c.inner]
+        vertex = np.concatenate([inner, ends, self.corners.astype(np.int32)])
         stands = np.concatenate([~c.on_curve[inner], ~c.corner[ends], np.ones(len(self.corners), np.bool_)])
-        return vertices, stands
-
-
-def child_topology(curves: Curves, numbers: Numbers) -> tuple[Topology, int]:
-    """The refined connectivity, and its first face that stands for a vertex.
-
-    A face for each face; a quad for each smooth edge; along curves that are not plain a quad for each side of an edge;
-    for each vertex off plain curves a polygon between its sharp edges, which has the new vertices on these besides.
-    """
-    t, at = curves.topology, numbers.of_face_corner
-    edges, strips = _edge_quads(curves, at), _strip_quads(curves, numbers)
-    sizes, polygons = kernels.vertex_polygons(
-        t.face_vertices,
-        t.twin,
-        curves.preceding,
-        curves.sharp,
-        curves.plain,
-        curves.sector,
-        curves.sector_size,
-        at,
-        numbers.origin,
-        numbers.target,
-        numbers.corner,
-    )
-    lengths = np.concatenate([curves.sides, np.full(len(edges) + len(strips), 4), sizes])
-    offsets = np.concatenate([[0], np.cumsum(lengths)]).astype(np.int32)
-    corners = np.concatenate([at, edges.ravel(), strips.ravel(), polygons])
-    twin, *_ = pair_half_edges(offsets, corners, numbers.vertex_count)
-    child = Topology.from_twins(offsets, corners, twin, numbers.vertex_count)
-    if len(numbers.ends):
-        # No smooth edge joins two vertices on curves.
-        child.sharpness[(child.edge_vertices >= numbers.inner_count).all(axis=1)] = np.inf
-    child.corner_sharpness[numbers.corner[numbers.corners]] = t.corner_sharpness[numbers.corners]
-    return child, t.face_count + len(edges) + len(strips)
-
-
-def _edge_quads(curves: Curves, at: NDArray[np.int32]) -> NDArray[np.int32]:
-    t = curves.topology
-    h = np.flatnonzero(~curves.sharp & (np.arange(len(t.twin)) < t.twin))
-    beyond = t.twin[h]
-    return np.column_stack([at[t.following[h]], at[h], at[t.following[beyond]], at[beyond]])
-
-
-def _strip_quads(curves: Curves, numbers: Numbers) -> NDArray[np.int32]:
-    at = numbers.of_face_corner
-    h = np.flatnonzero(curves.sharp & ~curves.plain)
-    following = curves.topology.following[h]
-    return np.column_stack([at[following], at[h], numbers.origin[h], numbers.target[h]])
+        new = np.flatnonzero(stands)
+        count = np.bincount(vertex[new], minlength=len(c.corner))
+        shape = (len(count), self.vertex_count)
+        return sp.csr_array((1 / count[vertex[new]], (vertex[new], new)), shape=shape)
 
 
 class _Group(NamedTuple):
@@ -180,15 +141,42 @@ class DualRows:
 
     def apply(self, points: Floats) -> Floats:
         """New positions (child vertices, 3) from points (n, 3)."""
-        vertices = self.curves.topology.face_vertices
-        new = np.empty((self.numbers.vertex_count, points.shape[1]))
-        for group in self._groups():
-            new[group.rows] = group.mask @ points[vertices[group.half_edges]]
-        begin = self.numbers.inner_count
+        numbers = self.numbers
+        new = self._summed(numbers.of_face_corner, numbers.vertex_count, points)
+        begin = numbers.inner_count
         columns, values = self._curve_rows()
         new[begin : begin + len(columns)] = np.einsum("ki,kix->kx", values, points[columns])
-        new[begin + len(columns) :] = points[self.numbers.corners]
+        new[begin + len(columns) :] = points[numbers.corners]
         return new
+
+    def limits(self, points: Floats) -> Floats:
+        """Limits of vertices from points (n, 3): the means of the new ones that stand for them.
+
+        What is inside the surface has no say in the limits of vertices on curves, nor these in those of corners.
+        """
+        t, corners = self.curves.topology, self.numbers.corners
+        mean = self._summed(t.face_vertices, t.vertex_count, points)
+        mean /= t.valence[:, None]
+        on_curve = np.flatnonzero(self.curves.on_curve)
+        columns, values = self._curve_rows()
+        sums, count = np.zeros_like(mean[on_curve]), np.zeros((len(on_curve), 1))
+        row = np.searchsorted(on_curve, columns[:, 0])
+        np.add.at(sums, row, np.einsum("ki,kix->kx", values, points[columns]))
+        np.add.at(count, row, 1)
+        mean[on_curve] = sums / np.maximum(count, 1)
+        mean[corners] = points[corners]
+        return mean
+
+    def _summed(self, target: NDArray[np.int32], count: int, points: Floats) -> Floats:
+        """Sums (count, 3) of the new points inside the surface that share a row, (h,) by face corner, of `target`."""
+        curves, t = self.curves, self.curves.topology
+        out, given = np.zeros((count, 3)), np.ascontiguousarray(points, np.float64)
+        for m, kind, faces in self._alike():
+            mask, inner = np.ascontiguousarray(self._mask(kind, m)), np.arange(m)[INNER[kind]]
+            kernels.add_face_points(
+                faces, curves.start, t.face_offsets, t.face_vertices, mask, inner, target, given, out
+            )
+        return out
 
     @cached_property
     def matrix(self) -> sp.csr_array:
@@ -214,13 +202,17 @@ class DualRows:
         return sp.csr_array((data, indices, offsets), shape=(numbers.vertex_count, t.vertex_count))
 
     def _groups(self) -> Iterator[_Group]:
-        curves, at = self.curves, self.numbers.of_face_corner
-        keys, member = np.unique(len(Face) * curves.sides + curves.kind, return_inverse=True)
-        for number, key in enumerate(keys):
-            m, kind = int(key) // len(Face), Face(int(key) % len(Face))
-            half_edges = curves.corners(np.flatnonzero(member == number), m)
+        at = self.numbers.of_face_corner
+        for m, kind, faces in self._alike():
+            half_edges = self.curves.corners(faces, m)
             inner = INNER[kind]
             yield _Group(half_edges, at[half_edges[:, inner]], self._mask(kind, m)[inner])
+
+    def _alike(self) -> Iterator[tuple[int, Face, Rows]]:
+        """Corners and kinds of faces, and the faces that have them."""
+        keys = len(Face) * self.curves.sides + self.curves.kind
+        for key in np.flatnonzero(np.bincount(keys)):
+            yield int(key) // len(Face), Face(int(key) % len(Face)), np.flatnonzero(keys == key)
 
     def _mask(self, kind: Face, m: int) -> Floats:
         if kind == Face.WHOLE:
@@ -231,7 +223,7 @@ class DualRows:
         """Chaikin's rule at the vertices on curves, and its clamped form next to corners of plain ones: (k, 2) each."""
         curves, numbers = self.curves, self.numbers
         vertex, following = curves.topology.face_vertices, curves.topology.following
-        here = numbers.vertices[0][numbers.inner_count : numbers.vertex_count - len(numbers.corners)]
+        here = numbers.end_vertices
         there = np.concatenate([vertex[following[numbers.ends]], vertex[numbers.boundary_ends]])
         plain = np.concatenate([curves.plain[numbers.ends], curves.plain[numbers.boundary_ends]])
         share = np.where(plain & curves.corner[there], 1 / 2, 1 / 4)

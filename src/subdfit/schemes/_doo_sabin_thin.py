@@ -15,9 +15,9 @@ def without_thin_vertices(t: Topology) -> tuple[Topology, sp.csr_array | None]:
     topology : the mesh; the centroids are its last vertices.
     matrix : (vertices, n), its vertices from the mesh's; None if there is nothing to cut.
     """
-    sharp = np.zeros(t.vertex_count, np.bool_)
-    sharp[t.edge_vertices[t.sharpness > 0]] = True
-    thin = ~sharp & (t.valence == 2)
+    thin = t.valence == 2
+    sharp = np.flatnonzero((t.sharpness > 0)[t.edge])
+    thin[t.face_vertices[sharp]] = thin[t.face_vertices[t.following[sharp]]] = False
     if not thin.any():
         return t, None
     cut = np.zeros(t.face_count, np.bool_)

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from subdfit.errors import InputError
 from subdfit.mesh.topology import Topology
 from subdfit.schemes._doo_sabin_cells import Cells
+from subdfit.schemes._doo_sabin_child import child_topology
 from subdfit.schemes._doo_sabin_curves import Curves
 from subdfit.schemes._doo_sabin_patches import compile_dual
-from subdfit.schemes._doo_sabin_refine import DualRows, Numbers, child_topology
+from subdfit.schemes._doo_sabin_refine import DualRows, Numbers
 from subdfit.schemes._doo_sabin_thin import without_thin_vertices
 from subdfit.schemes.domain import Domain
 from subdfit.schemes.patch_table import PatchTable
@@ -68,7 +69,7 @@ class DooSabin:
         """Make a face of each face, a quad of each smooth edge, and a polygon of each vertex, in this order.
 
         New vertices stand for face corners, those inside the surface first, in the order of half-edges; along curves
-        see `_doo_sabin_refine.child_topology`. No new vertex stands for a vertex or an edge.
+        see `_doo_sabin_child.child_topology`. No new vertex stands for a vertex or an edge.
         """
         whole, matrix = without_thin_vertices(topology)
         curves = Curves.of(whole)
@@ -81,26 +82,19 @@ class DooSabin:
 
     def limit_rows(self, topology: Topology) -> sp.csr_array:
         """Limit of each vertex: the mean of the new vertices that stand for it, inside or on its curve."""
-        mean, rows, matrix = self._limits(topology)
-        limits = mean @ rows.matrix
-        return sp.csr_array(limits if matrix is None else limits @ matrix)
-
-    def limit_points(self, topology: Topology, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Limit points of control points."""
-        mean, rows, matrix = self._limits(topology)
-        return np.asarray(mean @ rows.apply(points if matrix is None else np.asarray(matrix @ points)))
-
-    def _limits(self, topology: Topology) -> tuple[sp.csr_array, DualRows, sp.csr_array | None]:
-        """Means over new vertices, (n, new); how these come from the vertices of a mesh; and those from the points."""
         whole, matrix = without_thin_vertices(topology)
         curves = Curves.of(whole)
         numbers = Numbers(curves)
-        vertex, has_a_say = numbers.vertices
-        stands = np.flatnonzero(has_a_say & (vertex < topology.vertex_count))
-        weight = 1 / np.bincount(vertex[stands], minlength=topology.vertex_count)[vertex[stands]]
-        shape = (topology.vertex_count, numbers.vertex_count)
-        mean = sp.csr_array((weight, (vertex[stands], stands)), shape=shape)
-        return mean, DualRows(curves, numbers, self.averaging), matrix
+        limits = numbers.means @ DualRows(curves, numbers, self.averaging).matrix
+        limits = limits if matrix is None else limits @ matrix
+        return sp.csr_array(limits[: topology.vertex_count])
+
+    def limit_points(self, topology: Topology, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Limit points of control points."""
+        whole, matrix = without_thin_vertices(topology)
+        curves = Curves.of(whole)
+        rows = DualRows(curves, Numbers(curves), self.averaging)
+        return rows.limits(points if matrix is None else np.asarray(matrix @ points))[: topology.vertex_count]
 
     def patches(self, topology: Topology) -> PatchTable:
         """Compile for exact evaluation: one biquadratic patch a cell, four where both its ends are irregular."""
