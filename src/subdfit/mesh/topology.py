@@ -163,7 +163,7 @@ class Topology:
     def edge_vertices(self) -> Indices:
         """Ends of each edge, (e, 2) int32, as its first half-edge runs."""
         ends = np.empty((self.edge_count, 2), np.int32)
-        first = np.flatnonzero((self.twin < 0) | (np.arange(len(self.twin)) < self.twin))
+        first = np.flatnonzero((self.twin < 0) | (np.arange(len(self.twin), dtype=np.int32) < self.twin))
         ends[self.edge[first], 0] = self.face_vertices[first]
         ends[self.edge[first], 1] = self.face_vertices[self.following[first]]
         return ends

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.mesh.topology import Topology
+from subdfit.schemes import _quad_triangle_kernels as kernels
 from subdfit.schemes._level import Level
 from subdfit.schemes._quad_triangle_sectors import Sector
 
@@ -174,6 +175,12 @@ def letters(quads: list[bool]) -> str:
 def larger_faces(t: Topology) -> Flags:
     """Whether the face of each half-edge is no triangle, (h,)."""
     return np.asarray(np.diff(t.face_offsets)[t.face] > 3)
+
+
+def larger_round(t: Topology, corners: int) -> Indices:
+    """Number of faces round each vertex with more than so many corners, (n,)."""
+    count: Indices = kernels.larger_round(t.face_offsets, t.face_vertices, t.vertex_count, corners)
+    return count
 
 
 def sector_quads(t: Topology, larger: Flags, preceding: Indices, begin: Indices, faces: int) -> Flags:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from subdfit.mesh.topology import Topology
 from subdfit.schemes._level import Level, semi_sharp
 from subdfit.schemes._limits import LimitMasks, curve_weights, vertex_kinds
-from subdfit.schemes._quad_triangle_kinds import by_order
+from subdfit.schemes._quad_triangle_kinds import by_order, larger_round
 from subdfit.schemes._quad_triangle_masks import pure_limit_mask
 from subdfit.schemes._quad_triangle_patches import ring_sizes, rings
 from subdfit.schemes._quad_triangle_sectors import Sector, limit_mask
@@ -31,14 +31,15 @@ class MixedLimits:
         Vertices at larger faces than quads have masks once they are refined.
         """
         smooth, dart, crease, pinned = vertex_kinds(t)
-        size = np.diff(t.face_offsets)[t.face]
-        quads = np.bincount(t.face_vertices[size > 3], minlength=t.vertex_count)
-        waiting = semi_sharp(t)
-        waiting[t.face_vertices[size > 4]] = True
+        quads = larger_round(t, 3)
+        waiting = semi_sharp(t) | (larger_round(t, 4) > 0)
         weights = curve_weights(crease, pinned)
         mixed = (quads > 0) & (quads < t.valence)
-        pure = smooth & ~mixed
-        weights[pure, :3] = np.column_stack(pure_limit_mask(t.valence[pure], quads[pure]))
+        valences = np.arange(1, int(t.valence.max(initial=1)) + 1)
+        for among_quads in (False, True):
+            mask = np.column_stack(pure_limit_mask(valences, among_quads * valences))
+            chosen = smooth & (quads == among_quads * t.valence)
+            weights[chosen, :3] = mask[t.valence[chosen] - 1]
         return LimitMasks(weights, dart | (smooth & mixed), waiting)
 
     def ring_rows(self, level: Level, vertices: Flags) -> sp.csr_array:

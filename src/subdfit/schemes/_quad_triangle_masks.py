@@ -25,7 +25,7 @@ def smooth_mask(faces: Counts, quads: Counts, correction: Matrix) -> VertexMask:
     The step that this makes is multiplied by 1 + `correction`.
     """
     n = np.asarray(faces, np.float64)
-    alpha = _alpha(n)
+    alpha = _alpha(faces)
     weight = 1 / (1 + n / 2 + quads / 4)
     kinds = [np.equal(quads, 0), np.equal(quads, faces)]
     edge = np.select(kinds, [(1 - alpha) / n, 1 / n**2], weight / 4) * (1 + correction)
@@ -40,15 +40,16 @@ def pure_limit_mask(faces: Counts, quads: Counts) -> VertexMask:
     """
     n = np.asarray(faces, np.float64)
     among_quads = np.equal(quads, faces)
-    beta = 3 / (11 - 8 * _alpha(n))
+    beta = 3 / (11 - 8 * _alpha(faces))
     own = np.where(among_quads, (n - 1) / (n + 5), beta)
     edge = np.where(among_quads, 2 / (n * (n + 5)), (1 - beta) / n)
     return VertexMask(own, edge, np.where(among_quads, 4 / (n * (n + 5)), 0.0))
 
 
-def _alpha(n: Matrix) -> Matrix:
+def _alpha(faces: Counts) -> Matrix:
     """Loop's weight of a vertex itself (1987)."""
-    return np.asarray((3 / 8 + np.cos(2 * np.pi / n) / 4) ** 2 + 3 / 8)
+    n = np.maximum(np.arange(np.max(faces, initial=0) + 1), 1)
+    return np.asarray(((3 / 8 + np.cos(2 * np.pi / n) / 4) ** 2 + 3 / 8)[faces])
 
 
 def ring_matrix(
