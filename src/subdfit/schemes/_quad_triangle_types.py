@@ -58,7 +58,7 @@ class MixedPatches:
 
 def _types(kinds: list[Kind]) -> list[PatchType]:
     corners = [kind for kind in kinds if isinstance(kind, Corner)]
-    found = dict(zip(corners, _corner_types(corners), strict=True))
+    found = dict(zip(corners, _corner_types(corners), strict=True)) if corners else {}
     return [found[kind] if isinstance(kind, Corner) else _smooth_type(kind) for kind in kinds]
 
 
