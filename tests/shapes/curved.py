@@ -4,9 +4,10 @@ from functools import partial
 
 import numpy as np
 
-from shapes.polygons import polygons, quad_disc, quad_torus
+from shapes.polygons import polygons, quad_disc, quad_torus, rhombic
 from shapes.zoo import Shape, circle, fan_faces, grid_data, icosahedron_data, jittered, octahedron_data
 from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.schemes import SCHEMES
 
 
 def dual_data(points, faces):
@@ -118,6 +119,13 @@ def lone_pair():
     )
 
 
+def tip():
+    """A crease that ends inside the surface, opposite to a quad, once refined: both its sides are curves already."""
+    mesh = rhombic(3, crease_edges=[[0, 2]])
+    step = SCHEMES["doo-sabin"].refine(mesh.topology)
+    return ControlMesh(step.child, step.refined(mesh.points))
+
+
 CURVED: dict[str, Shape] = {
     "open dodecahedron": open_dodecahedron,
     "open truncated octahedron": open_truncated_octahedron,
@@ -130,4 +138,5 @@ CURVED: dict[str, Shape] = {
     "starred fan": partial(fan, 7, "starred fan", crease_edges=[[0, 1], [0, 3], [0, 6]]),
     "ring of quads": ring_of_quads,
     "lone pair": lone_pair,
+    "tip": tip,
 }

@@ -93,11 +93,14 @@ class Cells:
     def _across(self, leaving: Rows) -> Rows:
         """The edge from the cell beyond a curve to the vertex on it where the given edges arrive; -1 at the boundary.
 
-        The curve leaves that vertex within the same face, and beyond it lies the face whose next edge is ours.
+        The curve leaves that vertex within the same face, and beyond it lies the face whose next edge is ours. In the
+        face opposite to the tip of a crease, the edge that leaves the tip is ours.
         """
         t = self.child.topology
-        beyond = t.twin[t.following[leaving]]
-        return np.where(beyond < 0, -1, t.twin[t.following[beyond]])
+        after = t.following[leaving]
+        beyond = t.twin[after]
+        found = np.where(self.child.sharp[after], t.twin[t.following[beyond]], beyond)
+        return np.where(beyond < 0, -1, found)
 
     def _vertex_of_face(self) -> Rows:
         """The control vertex in whose limit each face of the refined mesh ends, -1 for none."""

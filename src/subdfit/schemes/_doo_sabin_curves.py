@@ -1,7 +1,9 @@
 """Sharp curves of a mesh as Doo-Sabin subdivision sees them, and what they make of faces.
 
 Curves that meet are *plain* if on each side every vertex joins two faces, or one at a corner, and every face has one
-edge on them or two that meet in a corner, and four corners or more. Along plain curves faces are halves and quarters
+edge on them or two that meet in a corner, and four corners or more. A crease may end inside the surface, in a *tip*: a
+curve is plain there if the tip joins three faces, of which the one opposite to the crease meets no other curve. Along
+plain curves faces are halves and quarters
 (see `_doo_sabin_masks`). Along other curves faces are whole; the first step lays a strip of quads beside the curve,
 which by that is plain from then on.
 """
@@ -93,6 +95,23 @@ class Curves:
         return self.sharp_count > 0
 
     @cached_property
+    def _opposite(self) -> Rows:
+        """Face corners opposite to the creases that end in them, where the curve may be plain."""
+        t, sharp = self.topology, np.flatnonzero(self.sharp)
+        vertex = t.face_vertices[sharp]
+        single = (self.sharp_count[vertex] == 1) & ~self.corner[vertex] & (t.valence[vertex] == 3)
+        opposite = t.twin[self.before(sharp[single])]
+        free = np.bincount(t.face[opposite], minlength=len(self.sides)) == 1
+        free[t.face[sharp]] = False
+        return np.asarray(opposite[free[t.face[opposite]]])
+
+    @cached_property
+    def tips(self) -> Rows:
+        """Face corners opposite to the plain creases that end in them, one a tip."""
+        t = self.topology
+        return np.asarray(self._opposite[self.plain[t.following[t.twin[self._opposite]]]])
+
+    @cached_property
     def plain(self) -> Flags:
         """Half-edges on plain curves, (h,)."""
         if not self.sharp.any():
@@ -102,8 +121,9 @@ class Curves:
         shape = (t.vertex_count, t.vertex_count)
         joined = sp.coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=shape)
         _, curve = connected_components(joined, directed=False)
-        spoilt = np.zeros(t.vertex_count, np.bool_)
-        crowded = self.on_curve[vertex] & (self.sectors[1] != np.where(self.corner[vertex], 1, 2))
+        spoilt, ends = np.zeros(t.vertex_count, np.bool_), np.zeros(t.vertex_count, np.bool_)
+        ends[vertex[self._opposite]] = True
+        crowded = self.on_curve[vertex] & ~ends[vertex] & (self.sectors[1] != np.where(self.corner[vertex], 1, 2))
         spoilt[curve[vertex[crowded | (self.sharp & ~self._fits[t.face])]]] = True
         return np.asarray(self.sharp & ~spoilt[curve[vertex]])
 
@@ -136,6 +156,7 @@ class Curves:
         """Face corners whose new vertex lies inside the surface, (h,): all but those on plain curves."""
         on_curve = self.plain.copy()
         on_curve[self.topology.following[np.flatnonzero(self.plain)]] = True
+        on_curve[self.tips] = True
         return ~on_curve
 
     def corners(self, face: Rows, sides: int) -> Rows:

@@ -42,7 +42,8 @@ def vertex_polygons(face_vertices, twin, preceding, sharp, plain, sector, sector
             used += 1
             last = preceding[g]
             g = twin[last]
-        if sharp[h]:
+        # Where a crease ends inside the surface, the sector ends with the edge with which it began.
+        if sharp[h] and twin[last] != h:
             vertices[used] = target[last]
             used += 1
         sizes[polygon] = used - begin

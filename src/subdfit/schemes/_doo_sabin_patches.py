@@ -1,4 +1,6 @@
-"""Patches of a Doo-Sabin surface: a cell is one where at most one of its four faces is no quad, else it is cut in four.
+"""Patches of a Doo-Sabin surface: a cell is one where one of its four faces is irregular at most, else four.
+
+A face is irregular if it is no quad, or if a crease ends in it beside the cell.
 
 Beyond plain curves stand mirror points (`mirrored_polygon`), with which boundary patches are ordinary ones.
 """
@@ -14,7 +16,17 @@ from subdfit.schemes._doo_sabin_cells import Cells
 from subdfit.schemes._doo_sabin_curves import Curves
 from subdfit.schemes._doo_sabin_masks import QUAD_CORNER_IMAGE, Face, mirrored_polygon
 from subdfit.schemes._doo_sabin_refine import DualRows
-from subdfit.schemes._doo_sabin_types import AVERAGING, CONE, ORIGINAL, OUTER, REGULAR, patch_matrices
+from subdfit.schemes._doo_sabin_types import (
+    AFTER,
+    AVERAGING,
+    BEFORE,
+    CONE,
+    ORIGINAL,
+    OUTER,
+    REGULAR,
+    TIP,
+    patch_matrices,
+)
 from subdfit.schemes.patch_table import LEVELS, NO_STRIPS, PatchTable
 
 Rows = NDArray[np.integer]
@@ -79,15 +91,28 @@ class Points:
         mirror = self.image[np.where(half[t.face[leaving]], leaving, ring)]
         return np.where(self.curves.on_curve[head], mirror, head)
 
+    def tip(self, ring: Rows) -> Rows:
+        """Whether a crease ends in the face at a corner, beside it: `BEFORE` it, `AFTER` it, 0 for not; (k, ...)."""
+        c, t = self.curves, self.curves.topology
+        ends = np.zeros(len(c.sharp), np.int64)
+        ends[t.following[c.tips]] = BEFORE
+        ends[c.before(c.tips)] = AFTER
+        return ends[ring]
+
     def opposite(self, corner: Rows) -> Rows:
         """The points opposite to face corners, (k, ...), where the faces are quads."""
         c, t = self.curves, self.curves.topology
         kind, start = c.kind[t.face[corner]], c.start[t.face[corner]]
-        beyond = t.following[t.following[corner]]
+        beyond = self.across(corner)
         # In a half A, B, y1, y2 it is the image of the other one inside.
         other = np.where(beyond == start, t.following[corner], c.before(corner))
         found = np.where(kind == Face.HALF, self.image[other], t.face_vertices[beyond])
         return np.where(kind == Face.QUARTER, self.image[corner], found)
+
+    def across(self, corner: Rows) -> Rows:
+        """The corners of quads opposite to those given."""
+        following = self.curves.topology.following
+        return following[following[corner]]
 
     def polygon(self, corner: Rows, m: int) -> Rows:
         """The points of whole or half faces of m sides from corners inside, counter-clockwise, (k, M)."""
@@ -127,23 +152,35 @@ def list_patches(level: Points, ring: Rows, turn: Rows, averaging: bool) -> Patc
         Which mask whole faces take.
     """
     curves, face = level.curves, level.curves.topology.face
-    irregular = curves.sides[face[ring]] != 4
+    irregular = irregular_corners(level, ring)
     first = np.argmax(irregular, axis=1)
     ring = np.take_along_axis(ring, (first[:, None] + np.arange(4)) % 4, axis=1)
     sides, kind = curves.sides[face[ring[:, 0]]], curves.kind[face[ring[:, 0]]]
     code = np.where(kind == Face.QUARTER, CONE, np.where((kind == Face.WHOLE) & averaging, AVERAGING, ORIGINAL))
     code[~irregular.any(axis=1)] = REGULAR
+    tip = level.tip(ring[:, 0])
+    code += TIP * tip
     own = np.where(kind == Face.WHOLE, sides, np.where(kind == Face.HALF, 2 * sides - 4, 4))
     sizes = own + OUTER
     start = np.cumsum(sizes) - sizes
     points = np.empty(int(sizes.sum()), np.int64)
     beside, opposite = level.beside(ring), level.opposite(ring[:, 1:])
+    for side, place in ((BEFORE, 1), (AFTER, 3)):
+        # Beside the face where a crease ends its own points stand, not their images.
+        near = ring[tip == side, place]
+        opposite[tip == side, place - 1] = level.curves.topology.face_vertices[level.across(near)]
     outer = np.column_stack([opposite[:, 0], beside[:, 1], opposite[:, 1], beside[:, 2], opposite[:, 2]])
     points[(start + own)[:, None] + np.arange(OUTER)] = outer
     for group in _alike(sides, kind):
         listed = _face_points(level, ring[group, 0], beside[group])
         points[start[group][:, None] + np.arange(listed.shape[1])] = listed
     return Patches(KEY * code + own, (first + turn) % 4, sizes, points)
+
+
+def irregular_corners(level: Points, ring: Rows) -> NDArray[np.bool_]:
+    """Which corners of cells are irregular, (k, 4)."""
+    curves = level.curves
+    return np.asarray((curves.sides[curves.topology.face[ring]] != 4) | (level.tip(ring) > 0))
 
 
 def _face_points(level: Points, corner: Rows, beside: Rows) -> Rows:
@@ -168,8 +205,7 @@ def _alike(sides: Rows, kind: Rows) -> list[Rows]:
 
 def compile_dual(cells: Cells, averaging: bool, matrix: sp.csr_array | None) -> PatchTable:
     """Compile the patches of all cells; `matrix` makes the mesh's vertices where they are not the control points."""
-    sides = cells.child.sides[cells.child.topology.face[cells.ring]]
-    plain = (sides != 4).sum(axis=1) <= 1
+    plain = irregular_corners(Points(cells.child), cells.ring).sum(axis=1) <= 1
     whole, cut = np.flatnonzero(plain), np.flatnonzero(~plain)
     rows = DualRows(cells.parent, cells.numbers, averaging).matrix
     rows = rows if matrix is None else sp.csr_array(rows @ matrix)

@@ -1,7 +1,7 @@
 """One step of Doo-Sabin subdivision: the new vertices, and their positions with or without a matrix.
 
 New vertices are, in this order: one for each face corner inside the surface, in the order of half-edges; two for each
-sharp edge, one for where a plain curve ends in a corner; the corners of curves.
+sharp edge, one for where a plain curve ends in a corner; one for each tip of a plain crease; the corners of curves.
 """
 
 from collections.abc import Iterator
@@ -60,7 +60,12 @@ class Numbers:
     @cached_property
     def vertex_count(self) -> int:
         """Number of new vertices."""
-        return self.inner_count + len(self.ends) + len(self.boundary_ends) + len(self.corners)
+        return self.tips_begin + len(self.curves.tips) + len(self.corners)
+
+    @cached_property
+    def tips_begin(self) -> int:
+        """The first new vertex that a plain crease ends in."""
+        return self.inner_count + len(self.ends) + len(self.boundary_ends)
 
     @cached_property
     def origin(self) -> NDArray[np.int32]:
@@ -96,11 +101,12 @@ class Numbers:
         found[beside] = np.where(c.plain[beside], self.origin[beside], self.target[before])
         bent = beside[c.plain[beside] & c.plain[before]]
         found[bent] = self.corner[c.topology.face_vertices[bent]]
+        found[c.tips] = self.tips_begin + np.arange(len(c.tips))
         return found
 
     @property
     def end_vertices(self) -> NDArray[np.int32]:
-        """The vertex that each new vertex on a curve, but for those of corners, is nearest to."""
+        """The vertex that each new vertex on a curve, but for those of tips and corners, is nearest to."""
         t = self.curves.topology
         return np.concatenate([t.face_vertices[self.ends], t.face_vertices[t.following[self.boundary_ends]]])
 
@@ -108,9 +114,10 @@ class Numbers:
     def means(self) -> sp.csr_array:
         """Limits of the vertices: means of the new ones that stand for them, (n, new); see `DualRows.limits`."""
         c, ends = self.curves, self.end_vertices
-        inner = c.topology.face_vertices[c.inner]
-        vertex = np.concatenate([inner, ends, self.corners.astype(np.int32)])
-        stands = np.concatenate([~c.on_curve[inner], ~c.corner[ends], np.ones(len(self.corners), np.bool_)])
+        inner, tips = c.topology.face_vertices[c.inner], c.topology.face_vertices[c.tips]
+        vertex = np.concatenate([inner, ends, tips, self.corners.astype(np.int32)])
+        last = np.ones(len(tips) + len(self.corners), np.bool_)
+        stands = np.concatenate([c.sharp_count[inner] < 2, ~c.corner[ends], last])
         new = np.flatnonzero(stands)
         count = np.bincount(vertex[new], minlength=len(c.corner))
         shape = (len(count), self.vertex_count)
@@ -146,26 +153,26 @@ class DualRows:
         begin = numbers.inner_count
         columns, values = self._curve_rows()
         new[begin : begin + len(columns)] = np.einsum("ki,kix->kx", values, points[columns])
-        new[begin + len(columns) :] = points[numbers.corners]
+        new[numbers.vertex_count - len(numbers.corners) :] = points[numbers.corners]
         return new
 
     def limits(self, points: Floats) -> Floats:
         """Limits of vertices from points (n, 3): the means of the new ones that stand for them.
 
-        What is inside the surface has no say in the limits of vertices on curves, nor these in those of corners.
+        What is inside the surface has no say in the limits of vertices on curves, but for those where creases end, nor
+        have vertices on curves in those of corners.
         """
-        t, corners = self.curves.topology, self.numbers.corners
-        mean = self._summed(t.face_vertices, t.vertex_count, points)
-        mean /= t.valence[:, None]
-        on_curve = np.flatnonzero(self.curves.on_curve)
+        c, t, corners = self.curves, self.curves.topology, self.numbers.corners
+        out = self._summed(t.face_vertices, t.vertex_count, points)
+        count = t.valence.copy()
+        count[t.face_vertices[c.tips]] = 1
+        out[c.sharp_count > 1] = count[c.sharp_count > 1] = 0
         columns, values = self._curve_rows()
-        sums, count = np.zeros_like(mean[on_curve]), np.zeros((len(on_curve), 1))
-        row = np.searchsorted(on_curve, columns[:, 0])
-        np.add.at(sums, row, np.einsum("ki,kix->kx", values, points[columns]))
-        np.add.at(count, row, 1)
-        mean[on_curve] = sums / np.maximum(count, 1)
-        mean[corners] = points[corners]
-        return mean
+        np.add.at(out, columns[:, 0], np.einsum("ki,kix->kx", values, points[columns]))
+        np.add.at(count, columns[:, 0], 1)
+        out /= np.maximum(count, 1)[:, None]
+        out[corners] = points[corners]
+        return out
 
     def _summed(self, target: NDArray[np.int32], count: int, points: Floats) -> Floats:
         """Sums (count, 3) of the new points inside the surface that share a row, (h,) by face corner, of `target`."""
@@ -187,6 +194,7 @@ class DualRows:
             [
                 self.curves.sides[t.face[self.curves.inner]],
                 np.full(len(columns), 2),
+                self.curves.sides[t.face[self.curves.tips]],
                 np.ones(len(numbers.corners), np.int64),
             ]
         )
@@ -196,9 +204,10 @@ class DualRows:
             place = offsets[group.rows][:, :, None] + np.arange(group.mask.shape[1])
             indices[place] = t.face_vertices[group.half_edges][:, None]
             data[place] = group.mask
-        tail = offsets[numbers.inner_count]
-        indices[tail:] = np.concatenate([columns.ravel(), numbers.corners])
-        data[tail:] = np.concatenate([values.ravel(), np.ones(len(numbers.corners))])
+        ends = slice(offsets[numbers.inner_count], offsets[numbers.tips_begin])
+        indices[ends], data[ends] = columns.ravel(), values.ravel()
+        corners = slice(offsets[numbers.vertex_count - len(numbers.corners)], None)
+        indices[corners], data[corners] = numbers.corners, 1.0
         return sp.csr_array((data, indices, offsets), shape=(numbers.vertex_count, t.vertex_count))
 
     def _groups(self) -> Iterator[_Group]:

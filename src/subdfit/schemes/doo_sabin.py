@@ -40,7 +40,7 @@ class DooSabin:
     faces: Faces = "polygons"
 
     def validate(self, topology: Topology) -> None:
-        """Raise InputError for semi-sharp tags, creases that end inside the surface, and corners on no curve."""
+        """Raise InputError for semi-sharp tags, and for corners on no curve or where creases end inside the surface."""
         t = topology
         tags = np.concatenate([t.sharpness, t.corner_sharpness])
         if np.any((tags > 0) & np.isfinite(tags)):
@@ -48,13 +48,12 @@ class DooSabin:
                 "Doo-Sabin subdivision takes creases and corners that are sharp for ever; give sharpness 10"
             )
         curves = Curves.of(t)
-        inside = ~curves.on_curve
+        tagged = t.corner_sharpness > 0
         _refuse(
-            curves.sharp_count == 1, "ends a crease inside the surface; lead the crease on to a boundary or a crease"
+            tagged & (curves.sharp_count == 1),
+            "is tagged a corner where a crease ends inside the surface; remove the tag",
         )
-        _refuse(
-            inside & (t.corner_sharpness > 0), "is tagged a corner but lies on no crease or boundary; remove the tag"
-        )
+        _refuse(tagged & ~curves.on_curve, "is tagged a corner but lies on no crease or boundary; remove the tag")
 
     def domain(self, topology: Topology) -> Domain:
         """One quad a face corner, from the corner's vertex over the middle of its edge to the middle of its face.
