@@ -1,19 +1,13 @@
 """Which edges of a control mesh are creases, as the option ``creases`` says."""
 
-import logging
 from dataclasses import replace
 
 import numpy as np
 
 from subdfit.api.triangulate import triangles_of
-from subdfit.errors import InputError
 from subdfit.mesh.control_mesh import ControlMesh
-from subdfit.mesh.creases import without_loose_creases
-from subdfit.schemes.scheme import Scheme
 from subdfit.target.features import automatic_creases, crease_edges
 from subdfit.target.target import Creases
-
-logger = logging.getLogger(__name__)
 
 
 def with_creases(mesh: ControlMesh, creases: Creases) -> ControlMesh:
@@ -42,24 +36,3 @@ def with_creases(mesh: ControlMesh, creases: Creases) -> ControlMesh:
     if np.array_equal(sharpness, t.sharpness):
         return mesh
     return replace(mesh, topology=replace(t, sharpness=sharpness))
-
-
-def accepted(given: ControlMesh, mesh: ControlMesh, scheme: Scheme) -> ControlMesh:
-    """Return the mesh as the scheme takes it: creases that were found, not tagged, lose what ends inside the surface.
-
-    Raises
-    ------
-    InputError
-        The scheme does not take the mesh, or not its own tags.
-    """
-    try:
-        scheme.validate(mesh.topology)
-    except InputError:
-        if mesh is given:
-            raise
-        closed = without_loose_creases(mesh)
-        scheme.validate(closed.topology)
-        lost = len(mesh.topology.crease_edges) - len(closed.topology.crease_edges)
-        logger.warning("%d crease edges lead to an end inside the surface and are left smooth", lost)
-        return closed
-    return mesh

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from subdfit.api.cages import control_mesh_of
 from subdfit.api.components import largest_components
-from subdfit.api.creases import accepted, with_creases
+from subdfit.api.creases import with_creases
 from subdfit.api.fitting import elapsed
 from subdfit.api.interpolation_result import InterpolationResult
 from subdfit.api.sources import MeshSource
@@ -107,7 +107,8 @@ def interpolate(
         watch.begin("read", "reading")
         cage = largest_components(_with_mask(control_mesh_of(mesh, scheme), mask), how.keep_components)
         rules = scheme_named(cage.scheme or "loop")
-        given = accepted(cage, with_creases(cage, how.creases), rules)
+        given = with_creases(cage, how.creases)
+        rules.validate(given.topology)
         watch.begin("operator", "making the limit operator")
         operator = LimitOperator.of(rules.limit_rows(given.topology))
         watch.begin("solve", "solving")

@@ -18,7 +18,7 @@ from subdfit.fit.result import FitResult, Iteration, Status
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import badness, error_that_matters, within
-from subdfit.initial.start import start_mesh, with_creases_for
+from subdfit.initial.start import start_mesh
 from subdfit.limit.surface import LimitSurface
 from subdfit.measure import Measurement, Outliers, measure
 from subdfit.mesh.control_mesh import ControlMesh
@@ -147,7 +147,7 @@ def fit_target(
     run = _Run(target, settings, Frame.of(target.points[target.used]), progress)
     clock = time.perf_counter()
     scheme = scheme_named(settings.scheme)
-    inside = with_creases_for(scheme, target.normalised(run.frame))
+    inside = target.normalised(run.frame)
     data = FitData.of(inside, settings.sample_spacing)
     scale = settings.tolerance.max or error_that_matters(settings.tolerance)
     mesh = start_mesh(inside, settings.control_vertices, scale, settings.max_control_vertices, scheme.faces)

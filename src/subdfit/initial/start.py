@@ -1,7 +1,6 @@
 """The first control mesh: the target decimated to a number of vertices chosen from the tolerance."""
 
 import logging
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,8 +9,7 @@ from subdfit.errors import InputError
 from subdfit.initial.decimate import Decimated, decimate
 from subdfit.initial.pairing import pair_triangles
 from subdfit.mesh.control_mesh import ControlMesh
-from subdfit.mesh.creases import without_loose_creases
-from subdfit.schemes.scheme import Faces, Scheme
+from subdfit.schemes.scheme import Faces
 from subdfit.target.bvh import TriangleTree
 from subdfit.target.target import Target
 
@@ -75,27 +73,6 @@ def start_mesh(
         found.points, found.triangles, crease_edges=found.crease_edges, corner_vertices=found.corners
     )
     return mesh if faces == "triangles" else pair_triangles(mesh)
-
-
-def with_creases_for(scheme: Scheme, target: Target) -> Target:
-    """The target with the creases that the scheme can have: without those that end inside, if it refuses them."""
-    if len(target.crease_edges) == 0:
-        return target
-    used, triangles = np.unique(target.triangles, return_inverse=True)
-    row = np.full(len(target.points), -1, np.int64)
-    row[used] = np.arange(len(used))
-    mesh = ControlMesh.from_triangles(
-        target.points[used], triangles.reshape(-1, 3), crease_edges=row[target.crease_edges]
-    )
-    try:
-        scheme.validate(mesh.topology)
-    except InputError:
-        topology = without_loose_creases(mesh).topology
-        kept = used[topology.edge_vertices[topology.crease_edges]].astype(np.int64)
-        lost = len(target.crease_edges) - len(kept)
-        logger.warning("%d crease edges of the target lead to an end inside the surface and are left smooth", lost)
-        return replace(target, crease_edges=kept)
-    return target
 
 
 def _worst(points: NDArray[np.float64], found: Decimated) -> float:
