@@ -12,7 +12,7 @@ from subdfit.api.targets import check_count
 from subdfit.closest.projection import Projection, Projector
 from subdfit.errors import InputError
 from subdfit.limit import surface as limit
-from subdfit.limit.tessellate import lattice
+from subdfit.limit.tessellate import lattice, manifold_triangles
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.schemes import Scheme
 from subdfit.target.frame import Frame
@@ -103,9 +103,11 @@ class LimitSurface(limit.LimitSurface):
         check_count(level, "level", 0)
         if level > 8:
             raise InputError(f"level is {level}, which would make {4**level:,} triangles a face; give 8 or less")
-        grid = lattice(self.domain, 2**level)
+        segments = 2**level
+        grid = lattice(self.domain, segments)
         points = self.evaluate(grid.face, grid.uv).position
-        return Tessellation(points, grid.triangles, self.normals(grid.face, grid.uv))
+        triangles = manifold_triangles(self.domain, segments, grid)
+        return Tessellation(points, triangles, self.normals(grid.face, grid.uv))
 
     @cached_property
     def _frame(self) -> Frame:

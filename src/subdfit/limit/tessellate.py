@@ -52,6 +52,33 @@ def lattice(domain: Domain, segments: int) -> Lattice:
     return Lattice(face[first].astype(np.int32), uv[first], renumber[triangles], begin)
 
 
+def manifold_triangles(domain: Domain, segments: int, grid: Lattice) -> NDArray[np.int32]:
+    """The triangles of a lattice, so that they are a manifold round inner vertices of two cells, too.
+
+    Where two quads share two sides in sequence, both may cut off the same triangle at the vertex between these. One
+    of them is then cut through the vertex instead.
+    """
+    triangles = grid.triangles.copy()
+    cells, corner = np.nonzero(_shares_two_sides(domain))
+    upper = np.where(corner == 0, 0, segments**2 - 1)
+    for rows in np.unique(grid.begin[cells] + upper):
+        other = rows + segments**2
+        (a, b, d), c = triangles[rows], triangles[other, 1]
+        triangles[rows], triangles[other] = (a, b, c), (a, c, d)
+    return triangles
+
+
+def _shares_two_sides(domain: Domain) -> NDArray[np.bool_]:
+    """Corners 0 and 2 of quads, (f, 4), where one other cell, a later one, cuts off the same triangle."""
+    before = np.roll(domain.neighbour, 1, axis=1), np.roll(domain.neighbour_side, 1, axis=1)
+    last = (domain.neighbour_side + 1) % QUAD
+    found = (domain.neighbour == before[0]) & (last == before[1]) & (last % 2 == 0)
+    found &= domain.neighbour > np.arange(domain.face_count)[:, None]
+    found[:, 1::2] = False
+    found[domain.shape != QUAD] = False
+    return np.asarray(found)
+
+
 def grid_nodes(shape: int, segments: int) -> Nodes:
     """The nodes (i, j) of a cell's lattice, at parameters i / segments and j / segments."""
     return [(i, j) for j in range(segments + 1) for i in range(segments + 1 if shape == QUAD else segments + 1 - j)]
