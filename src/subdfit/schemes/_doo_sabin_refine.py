@@ -118,14 +118,18 @@ class Numbers:
         vertex = np.concatenate([inner, ends, tips, self.corners.astype(np.int32)])
         last = np.ones(len(tips) + len(self.corners), np.bool_)
         stands = np.concatenate([c.sharp_count[inner] < 2, ~c.corner[ends], last])
-        new = np.flatnonzero(stands)
+        new = np.flatnonzero(stands).astype(np.int32)
         count = np.bincount(vertex[new], minlength=len(c.corner))
         shape = (len(count), self.vertex_count)
         return sp.csr_array((1 / count[vertex[new]], (vertex[new], new)), shape=shape)
 
 
+GROUP = 1 << 16
+"""Most faces whose rows are made at a time."""
+
+
 class _Group(NamedTuple):
-    """Faces of one kind and size: their half-edges (k, m), rows of the new vertices (k, j), and their mask (j, m)."""
+    """Some faces of one kind and size: half-edges (k, m), rows of their new vertices (k, j), and their mask (j, m)."""
 
     half_edges: Rows
     rows: Rows
@@ -190,15 +194,14 @@ class DualRows:
         """The same as a sparse matrix."""
         t, numbers = self.curves.topology, self.numbers
         columns, values = self._curve_rows()
-        lengths = np.concatenate(
-            [
-                self.curves.sides[t.face[self.curves.inner]],
-                np.full(len(columns), 2),
-                self.curves.sides[t.face[self.curves.tips]],
-                np.ones(len(numbers.corners), np.int64),
-            ]
-        )
-        offsets = np.concatenate([[0], np.cumsum(lengths)])
+        lengths: list[Rows] = [
+            np.zeros(1, np.int32),
+            self.curves.sides[t.face[self.curves.inner]],
+            np.full(len(columns), 2),
+            self.curves.sides[t.face[self.curves.tips]],
+            np.ones(len(numbers.corners), np.int32),
+        ]
+        offsets = np.cumsum(np.concatenate(lengths), dtype=np.int32)
         indices, data = np.empty(offsets[-1], np.int32), np.empty(offsets[-1])
         for group in self._groups():
             place = offsets[group.rows][:, :, None] + np.arange(group.mask.shape[1])
@@ -213,9 +216,10 @@ class DualRows:
     def _groups(self) -> Iterator[_Group]:
         at = self.numbers.of_face_corner
         for m, kind, faces in self._alike():
-            half_edges = self.curves.corners(faces, m)
             inner = INNER[kind]
-            yield _Group(half_edges, at[half_edges[:, inner]], self._mask(kind, m)[inner])
+            for begin in range(0, len(faces), GROUP):
+                half_edges = self.curves.corners(faces[begin : begin + GROUP], m)
+                yield _Group(half_edges, at[half_edges[:, inner]], self._mask(kind, m)[inner])
 
     def _alike(self) -> Iterator[tuple[int, Face, Rows]]:
         """Corners and kinds of faces, and the faces that have them."""
