@@ -168,6 +168,10 @@ class Topology:
         ends[self.edge[first], 1] = self.face_vertices[self.following[first]]
         return ends
 
+    def ends(self, chosen: NDArray[np.bool_]) -> Indices:
+        """Ends (k, 2) of the chosen edges, (e,) flags; where there are none, `edge_vertices` need not be made."""
+        return self.edge_vertices[chosen] if chosen.any() else np.empty((0, 2), np.int32)
+
     @cached_property
     def boundary_edges(self) -> NDArray[np.bool_]:
         """Whether each edge has one face only, (e,)."""

@@ -58,7 +58,7 @@ def semi_sharp(t: Topology) -> NDArray[np.bool_]:
     """Vertices whose rules change within some levels: a tag of finite sharpness is there or on an edge there."""
     flags = (t.corner_sharpness > 0) & np.isfinite(t.corner_sharpness)
     edges = (t.sharpness > 0) & np.isfinite(t.sharpness)
-    flags[t.edge_vertices[edges]] = True
+    flags[t.ends(edges)] = True
     return np.asarray(flags)
 
 
