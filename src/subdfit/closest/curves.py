@@ -38,8 +38,15 @@ class CurveProjection:
 
     def __getitem__(self, rows: NDArray[np.bool_]) -> "CurveProjection":
         """Those of some points."""
-        parts = (self.side, self.t, self.face, self.uv, self.position, self.tangent, self.distance)
-        return CurveProjection(*(part[rows] for part in parts))
+        return CurveProjection(
+            self.side[rows],
+            self.t[rows],
+            self.face[rows],
+            self.uv[rows],
+            self.position[rows],
+            self.tangent[rows],
+            self.distance[rows],
+        )
 
 
 class SurfaceCurves:

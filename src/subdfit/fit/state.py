@@ -89,7 +89,7 @@ class FitState:
         return FitState.follow(self.data, self.surface.with_points(control_points), self.face, self.uv)
 
     def onto(self, surface: LimitSurface, face: NDArray[np.int32], uv: Floats) -> "FitState":
-        """All points on a surface that differs in parts, from given places; where it does not differ these are exact."""
+        """All points on a surface that differs in parts, from given places; these are exact where it does not."""
         projector = Projector(surface, FOOTPOINT_TOLERANCE)
         order = projector.order(face)
         rows = order[changed_cells(self.surface, surface)[face[order]]]
@@ -99,7 +99,7 @@ class FitState:
         return replace(self, surface=surface, face=found.face, uv=found.uv, distance=distance).with_curves_of(surface)
 
     def near(self, cells: NDArray[np.bool_]) -> tuple["FitState", NDArray[np.int64]]:
-        """The state of the points with a footpoint, on the surface or on a curve, in the flagged cells; and their rows."""
+        """The state of the points with a footpoint, on the surface or a curve, in the flagged cells; and their rows."""
         keep = cells[self.face]
         for found, rows in ((self.boundary, self.data.boundary), (self.crease, self.data.crease)):
             if found is not None:

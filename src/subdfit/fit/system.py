@@ -87,7 +87,7 @@ class Rows:
 
 
 class System:
-    """Normal equations of all terms for the displacement of the control points, (n, 3), zero where they are not free."""
+    """Normal equations of all terms for the displacement of the control points, (n, 3), zero where these are held."""
 
     def __init__(
         self,
