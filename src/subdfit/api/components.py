@@ -1,12 +1,18 @@
-"""The largest components of a control mesh."""
+"""The largest components of a control mesh, and of the surface through a cloud of points."""
+
+import logging
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.api.triangulate import triangles_of
 from subdfit.initial.components import keep_components
+from subdfit.initial.reconstruct import Reconstructed
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.mesh.data import MeshData
+
+logger = logging.getLogger(__name__)
 
 
 def largest_components(mesh: ControlMesh, count: int | None) -> ControlMesh:
@@ -16,6 +22,18 @@ def largest_components(mesh: ControlMesh, count: int | None) -> ControlMesh:
     data = mesh.to_data()
     rows = keep_components(data.points, triangles_of(data), count).point_rows
     return mesh if len(rows) == len(data.points) else ControlMesh.from_data(_part(data, rows))
+
+
+def largest_of_cloud(found: Reconstructed, count: int | None, name: str) -> Reconstructed:
+    """Keep the components of largest area, all where `count` is None; the points of the others are left out."""
+    if count is None:
+        return found
+    kept = keep_components(found.points, found.triangles, count)
+    stays, others = min(count, kept.component_count), len(found.points) - len(kept.points)
+    logger.info("%s: kept %d of %d components, left %d points out", name, stays, kept.component_count, others)
+    rows = found.point_rows[kept.point_rows] if len(found.point_rows) else found.point_rows
+    left_out = np.union1d(found.left_out, np.setdiff1d(found.point_rows, rows))
+    return replace(found, points=kept.points, triangles=kept.triangles, point_rows=rows, left_out=left_out)
 
 
 def _part(data: MeshData, rows: NDArray[np.int64]) -> MeshData:

@@ -78,7 +78,8 @@ def fit(
     repair
         Cut apart edges with more than two faces and surfaces that cannot be oriented, instead of refusing them.
     keep_components
-        Keep so many of the largest components.
+        Keep so many of the largest components; of a cloud, those of the surface through its points, and the points near
+        them.
     fill_holes
         Close holes of at most so many edges.
     robust
@@ -122,7 +123,7 @@ def fit(
     _check_relaxation(over_relaxation)
     begun, compiled = time.perf_counter(), compile_clock.seconds
     with workers(threads):
-        ready = joined(prepare(target, how), how.creases)
+        ready = joined(prepare(target, how), how)
         stages.info("first control mesh")
         settings = FitSettings(
             scheme=scheme,

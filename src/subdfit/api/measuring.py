@@ -9,7 +9,7 @@ from subdfit.api.fitting import elapsed, shares, tolerances
 from subdfit.api.lengths import parse_bytes
 from subdfit.api.result import tolerance_dict
 from subdfit.api.sources import MeshSource
-from subdfit.api.targets import Preparation, prepare, stages
+from subdfit.api.targets import Preparation, joined, prepare, stages
 from subdfit.api.workers import workers
 from subdfit.compiled import compile_clock
 from subdfit.fit.result import errors_dict, mesh_counts
@@ -150,6 +150,8 @@ def compare(
         stages.info("reading")
         mesh = control_mesh_of(control_mesh, scheme)
         ready = prepare(target, how)
+        if how.keep_components is not None:
+            ready = joined(ready, how)
         clock = time.perf_counter()
         stages.info("measuring")
         found = _measured(mesh, ready.target)

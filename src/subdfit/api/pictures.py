@@ -57,7 +57,7 @@ def _cloud_fit(path: str | os.PathLike[str], result: FitResult, target: Target, 
     edges = control_edges(result.surface, 2**level)
     cloud_picture(
         os.fspath(path),
-        points=target.points,
+        points=target.points[target.used],
         mesh=(target.points, target.triangles),
         surface=(drawn.points, drawn.triangles, edges, result.control_mesh.topology.vertex_count),
         title=title,

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from subdfit.api.components import largest_of_cloud
 from subdfit.api.fitting import elapsed
 from subdfit.api.lengths import Length, parse_bytes, parse_length
 from subdfit.api.memory import check_job
@@ -75,6 +76,7 @@ def reconstruct(
     method: str = "greedy",
     gap: float = GAP,
     small_hole: int = SMALL_HOLE,
+    keep_components: int | None = None,
     vertices: int | None = None,
     max_error: float | str | None = None,
     keep_data_points: bool = False,
@@ -95,6 +97,8 @@ def reconstruct(
         Voids wider than so many times the distance between neighbouring points are holes.
     small_hole
         Holes of at most so many edges are closed.
+    keep_components
+        Keep so many of the largest components; the points of the others are left out.
     vertices
         Simplify to so many vertices, topology kept.
     max_error
@@ -122,6 +126,7 @@ def reconstruct(
     >>> subdfit.write("scan.ply", found.mesh)  # doctest: +SKIP
     """
     _check(method, gap, small_hole, vertices, keep_data_points)
+    check_count(keep_components, "keep_components", 1)
     length, limit = parse_length(max_error, "max_error"), parse_bytes(memory)
     begun, compiled = time.perf_counter(), compile_clock.seconds
     with workers(threads):
@@ -130,12 +135,13 @@ def reconstruct(
         check(data, name)
         check_job(len(data.points), 0, limit, name)
         stages.info("joining points")
-        found = _joined(data, method, gap, small_hole, name)
+        found = largest_of_cloud(_joined(data, method, gap, small_hole, name), keep_components, name)
         simple, rows = _simplified(found, vertices, length, keep_data_points)
     settings: dict[str, Any] = {
         "method": method,
         "gap": gap,
         "small_hole": small_hole,
+        "keep_components": keep_components,
         "vertices": vertices,
         "max_error": max_error,
         "keep_data_points": keep_data_points,

@@ -8,14 +8,16 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
+from subdfit.api.components import largest_of_cloud
 from subdfit.api.memory import check_file, check_job
 from subdfit.api.sources import MeshSource, source_of
 from subdfit.api.triangulate import triangles_of
 from subdfit.errors import InputError
 from subdfit.initial.components import keep_components
 from subdfit.initial.holes import fill_holes
-from subdfit.initial.reconstruct import reconstruct
+from subdfit.initial.reconstruct import Reconstructed, reconstruct
 from subdfit.mesh.data import MeshData
 from subdfit.mesh.repair import mend
 from subdfit.target.target import Creases, Target, cloud_target, mesh_target, point_target
@@ -31,7 +33,8 @@ class Preparation:
     Attributes
     ----------
     creases : ``auto`` takes the creases that the file tags, else edges that are surely sharp; ``none``; or degrees.
-    repair, keep_components, fill_holes : what may be changed; None leaves all components and holes.
+    repair, keep_components, fill_holes : what may be changed; None leaves all components and holes. A cloud's
+        components are those of the surface through its points.
     memory : bytes, or None.
     """
 
@@ -92,13 +95,13 @@ def prepare(given: MeshSource, how: Preparation) -> Prepared:
 
 
 def _cloud(data: MeshData, how: Preparation, name: str) -> Target:
-    if how.keep_components is not None or how.fill_holes is not None:
-        raise InputError(f"{name}: has points only, and so no components or holes; leave these options out")
+    if how.fill_holes is not None:
+        raise InputError(f"{name}: has points only, and so no holes; leave fill_holes out")
     return point_target(data.points, data.normals)
 
 
-def joined(ready: Prepared, creases: Creases) -> Prepared:
-    """A cloud with the triangles that guide a fit to it; meshes as they are.
+def joined(ready: Prepared, how: Preparation) -> Prepared:
+    """A cloud with the triangles that guide a fit to it, cut down to its largest components; meshes as they are.
 
     Raises
     ------
@@ -111,9 +114,18 @@ def joined(ready: Prepared, creases: Creases) -> Prepared:
     stages.info("joining points")
     points, normals = ready.target.points, ready.target.normals
     found = reconstruct(points, normals if normals.any() else None, name=ready.name)
-    sharp: Creases = "none" if creases == "auto" else creases
-    target = cloud_target(points, found.point_rows[found.triangles], creases=sharp)
+    kept = largest_of_cloud(found, how.keep_components, ready.name)
+    sharp: Creases = "none" if how.creases == "auto" else how.creases
+    target = cloud_target(points, kept.point_rows[kept.triangles], creases=sharp, used=_near(points, found, kept))
     return Prepared(target, ready.name, ready.seconds | {"reconstruct": time.perf_counter() - clock})
+
+
+def _near(points: NDArray[np.float64], found: Reconstructed, kept: Reconstructed) -> NDArray[np.int64]:
+    """Rows of the points, noise too, that lie nearer to what is kept of the surface than to the rest."""
+    if len(kept.points) == len(found.points):
+        return np.arange(len(points))
+    _, nearest = cKDTree(found.points).query(points)
+    return np.flatnonzero(np.isin(found.point_rows[nearest], kept.point_rows))
 
 
 def _mesh(data: MeshData, how: Preparation, name: str) -> Target:

@@ -40,6 +40,7 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "--small-hole", metavar="EDGES", type=int, help="close holes of at most so many edges (default: 8)"
     )
+    parser.add_argument("--keep-components", metavar="N", type=int, help="keep the N largest components")
     group = parser.add_argument_group("simplification", "the topology stays")
     group.add_argument("--vertices", metavar="N", type=int, help="simplify to so many vertices")
     group.add_argument(
@@ -62,7 +63,7 @@ def run(args: argparse.Namespace, console: Console) -> int:
     from subdfit import api
 
     check_outputs(args.output, [args.points], documents=[args.json], pictures=[args.picture])
-    names = ("method", "vertices", "max_error", "keep_data_points", "threads", "memory")
+    names = ("method", "keep_components", "vertices", "max_error", "keep_data_points", "threads", "memory")
     given = {name: getattr(args, name) for name in names}
     given |= {name: getattr(args, name) for name in ("gap", "small_hole") if getattr(args, name) is not None}
     found = api.reconstruct(args.points, **given)

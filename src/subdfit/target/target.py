@@ -147,13 +147,20 @@ def point_target(points: NDArray[np.float64], normals: NDArray[np.float64] | Non
     )
 
 
-def cloud_target(points: NDArray[np.float64], triangles: NDArray[np.integer], *, creases: Creases = "none") -> Target:
+def cloud_target(
+    points: NDArray[np.float64],
+    triangles: NDArray[np.integer],
+    *,
+    creases: Creases = "none",
+    used: NDArray[np.int64] | None = None,
+) -> Target:
     """Gather what is known of a point cloud and of a mesh through most of its points; arguments as for `mesh_target`.
 
-    All points count as data, those of no triangle too.
+    The `used` points (k,) count as data, those of no triangle too; all where it is None.
     """
     guide = mesh_target(points, triangles, creases=creases)
-    return replace(guide, used=np.arange(len(guide.points)), diagonal=_diagonal(guide.points), cloud=True)
+    used = np.arange(len(guide.points)) if used is None else used
+    return replace(guide, used=used, diagonal=_diagonal(guide.points[used]), cloud=True)
 
 
 def _points(points: NDArray[np.float64]) -> NDArray[np.float64]:
