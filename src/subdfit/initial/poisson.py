@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 
 from subdfit.errors import InputError
 from subdfit.initial.delaunay import spacing
+from subdfit.initial.normals import estimated_normals
 from subdfit.initial.orient import components_of, oriented_outward
 from subdfit.mesh.data import MeshData
 from subdfit.mesh.repair import mend
@@ -16,9 +17,6 @@ from subdfit.target.frame import Frame
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.int64]
-
-NORMAL_NEIGHBOURS, TANGENT_NEIGHBOURS = 16, 12
-"""Points that a normal is estimated from, and that hand its sign on."""
 
 SHALLOWEST, DEEPEST = 5, 10
 """Levels of the octree: 2^10 cells along the longest side resolve more than most scans hold."""
@@ -82,11 +80,8 @@ def poisson_mesh(
 def _zero_surface(points: Floats, normals: ArrayLike | None, depth: int, name: str) -> tuple[Floats, Rows]:
     library = _open3d()
     cloud = library.geometry.PointCloud(library.utility.Vector3dVector(points))
-    if normals is None:
-        cloud.estimate_normals(library.geometry.KDTreeSearchParamKNN(NORMAL_NEIGHBOURS))
-        cloud.orient_normals_consistent_tangent_plane(TANGENT_NEIGHBOURS)
-    else:
-        cloud.normals = library.utility.Vector3dVector(np.asarray(normals, np.float64))
+    known = estimated_normals(points) if normals is None else np.asarray(normals, np.float64)
+    cloud.normals = library.utility.Vector3dVector(known)
     mesh, _ = library.geometry.TriangleMesh.create_from_point_cloud_poisson(cloud, depth=depth, n_threads=1)
     vertices, triangles = np.asarray(mesh.vertices), np.asarray(mesh.triangles, np.int64)
     if not len(triangles):
