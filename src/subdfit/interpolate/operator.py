@@ -33,9 +33,8 @@ class LimitOperator:
 
     @classmethod
     def of(cls, rows: sp.csr_array) -> "LimitOperator":
-        """Take what a scheme's `limit_rows` gives."""
-        if not rows.has_sorted_indices:
-            rows = rows.sorted_indices()
+        """Take what a scheme's `limit_rows` gives, and sort it where it stands."""
+        rows.sort_indices()
         return cls(rows)
 
     @cached_property
