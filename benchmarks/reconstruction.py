@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 
 import subdfit
 from benchmarks.common import MODELS, percent, table
-from subdfit.initial.delaunay import spacing, tetrahedra
+from subdfit.initial.delaunay import small_facets, spacing
 from subdfit.initial.reconstruct import GAP, distinct, reconstruct
 from subdfit.initial.simplify import simplify
 from subdfit.mesh.data import MeshData
@@ -49,7 +49,7 @@ def _speed() -> str:
         points, _, _ = _points(name)
         inside = Frame.of(points).inside(points[distinct(points)])
         begun = time.process_time()
-        tetrahedra(inside, GAP * spacing(inside))
+        small_facets(inside, GAP * spacing(inside))
         delaunay = time.process_time() - begun
         begun = time.process_time()
         found = reconstruct(points)

@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 
 import subdfit
 from subdfit.errors import InputError
-from subdfit.initial.delaunay import tetrahedra
+from subdfit.initial.delaunay import small_facets, spacing
 from subdfit.initial.reconstruct import SMALL_HOLE, reconstruct
 
 SPHERE, TORUS, DISC, ANNULUS = Shape(1, 0, 2), Shape(1, 0, 0), Shape(1, 1, 1), Shape(1, 2, 0)
@@ -174,12 +174,28 @@ def test_an_axis_in_another_unit_is_told(caplog):
 
 
 def test_radii_are_those_of_the_smallest_empty_spheres():
-    points = np.random.default_rng(5).random((60, 3))
-    space = tetrahedra(points, np.full(60, np.inf))
-    for facet in np.flatnonzero(np.isfinite(space.radii))[::7]:
-        c, i = divmod(int(facet), 4)
-        corners = np.delete(space.cells[c], i)
-        assert space.radii[facet] == pytest.approx(smallest_empty_radius(space.points, corners), rel=1e-8)
+    points = ascending(np.random.default_rng(5).random((60, 3)))
+    facets = small_facets(points, np.full(60, np.inf))
+    for corners, radius in list(zip(facets.corners, facets.radii, strict=True))[::7]:
+        assert radius == pytest.approx(smallest_empty_radius(points, corners), rel=1e-8)
+
+
+@pytest.mark.parametrize("name", ["torus", "square with a hole"])
+def test_facets_do_not_depend_on_slabs(monkeypatch, name):
+    points = ascending(CLOUDS[name][0])
+    largest = 2 * spacing(points)
+    whole = small_facets(points, largest)
+    monkeypatch.setattr("subdfit.initial.delaunay.LEAST_SLAB", 50)
+    monkeypatch.setattr("subdfit.initial.delaunay.MOST_OVERLAP", np.inf)
+    parts = small_facets(points, largest)
+    order = [np.lexsort(facets.corners.T[::-1]) for facets in (whole, parts)]
+    np.testing.assert_array_equal(whole.corners[order[0]], parts.corners[order[1]])
+    np.testing.assert_allclose(whole.radii[order[0]], parts.radii[order[1]], rtol=1e-9)
+
+
+def ascending(points):
+    """Return points in the order of their coordinates."""
+    return points[np.lexsort(points.T[::-1])]
 
 
 def smallest_empty_radius(points, corners):

@@ -1,12 +1,12 @@
-"""Facets of a Delaunay tetrahedralisation: their empty spheres, and turning round an edge from facet to facet.
+"""Facets of a Delaunay tetrahedralisation and their empty spheres.
 
 ``cells[c]`` are four points and ``beyond[c, i]`` is the cell across the facet opposite corner ``i``, -1 outside the
-hull. That facet is called ``4 c + i``, so each facet inside the hull has two names.
+hull.
 """
 
 import numpy as np
 
-from subdfit.compiled import inlined_kernel, kernel
+from subdfit.compiled import kernel
 
 FLAT = 1e-9
 """Height over a facet, as a share of the root of its area, below which a point counts as lying in its plane."""
@@ -16,25 +16,36 @@ THIN = 1e-24
 
 
 @kernel
-def facet_radii(points, cells, beyond, largest, start, stop, radii):  # type: ignore[no-untyped-def]
-    """Fill in, for the facets of some cells, the radius of the smallest sphere through each that is empty of points.
+def small_facets(points, cells, beyond, largest, begin, end, corners, radii):  # type: ignore[no-untyped-def]
+    """Gather the facets through which small spheres pass that are empty of points, and the radii of the smallest.
 
-    Infinite for facets without area, on the hull, with a corner beyond the rows of `largest`, and where the radius
-    exceeds `largest` at all three corners. A facet inside is written once under each name, by the lower cell.
+    Left out are facets without area, on the hull, with a corner beyond the rows of `largest`, those whose radius
+    exceeds `largest` at all three corners, and those whose first corner is not in begin..end - 1.
+
+    Parameters
+    ----------
+    corners : (2 c, 3) int32, filled from the top, each row ascending.
+    radii : (2 c,) float64.
+
+    Returns
+    -------
+    int : number of facets.
     """
-    for c in range(start, stop):
+    count = 0
+    for c in range(len(cells)):
         for i in range(4):
-            other = beyond[c, i]
-            if other > c:
-                bound, inner = 0.0, True
-                for k in range(1, 4):
-                    p = cells[c, (i + k) % 4]
-                    inner = inner and p < len(largest)
-                    bound = max(bound, largest[p % len(largest)])
-                radius = _empty_radius(points, cells, beyond, c, i) if inner else np.inf
-                radius = radius if radius <= bound else np.inf
-                radii[4 * c + i] = radius
-                radii[other_name(cells, beyond, 4 * c + i)] = radius
+            if beyond[c, i] <= c:
+                continue
+            p, q, r = cells[c, (i + 1) % 4], cells[c, (i + 2) % 4], cells[c, (i + 3) % 4]
+            low, high = min(p, q, r), max(p, q, r)
+            if low < begin or low >= end or high >= len(largest):
+                continue
+            radius = _empty_radius(points, cells, beyond, c, i)
+            if radius <= max(largest[p], largest[q], largest[r]):
+                corners[count, 0], corners[count, 1], corners[count, 2] = low, p + q + r - low - high, high
+                radii[count] = radius
+                count += 1
+    return count
 
 
 @kernel
@@ -59,8 +70,7 @@ def _empty_radius(points, cells, beyond, c, i):  # type: ignore[no-untyped-def]
     length = np.sqrt(squared)
     least, most = -np.inf, np.inf
     for side in range(2):
-        facet = 4 * c + i if side == 0 else other_name(cells, beyond, 4 * c + i)
-        apex = cells[facet // 4, facet % 4]
+        apex = cells[c, i] if side == 0 else _apex_beyond(cells, beyond, c, i)
         x0, x1, x2 = points[apex, 0] - points[a, 0], points[apex, 1] - points[a, 1], points[apex, 2] - points[a, 2]
         height = (x0 * n0 + x1 * n1 + x2 * n2) / length
         power = x0 * (x0 - 2.0 * o0) + x1 * (x1 - 2.0 * o1) + x2 * (x2 - 2.0 * o2)
@@ -73,46 +83,24 @@ def _empty_radius(points, cells, beyond, c, i):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def other_name(cells, beyond, facet):  # type: ignore[no-untyped-def]
-    """The name of a facet, not on the hull, from the cell on its other side."""
-    c, i = facet // 4, facet % 4
-    cell = np.int64(beyond[c, i])
-    j = 0
+def _apex_beyond(cells, beyond, c, i):  # type: ignore[no-untyped-def]
+    """The fourth point of the cell across a facet, not on the hull."""
+    cell, j = beyond[c, i], 0
     while (
         cells[cell, j] == cells[c, (i + 1) % 4]
         or cells[cell, j] == cells[c, (i + 2) % 4]
         or cells[cell, j] == cells[c, (i + 3) % 4]
     ):
         j += 1
-    return 4 * cell + j
+    return cells[cell, j]
 
 
 @kernel
-def third(cells, facet, u, v):  # type: ignore[no-untyped-def]
-    """The point of a facet besides `u` and `v`."""
-    c, i = facet // 4, facet % 4
-    k = 0
-    while k == i or cells[c, k] == u or cells[c, k] == v:
-        k += 1
-    return np.int64(cells[c, k])
-
-
-@inlined_kernel
-def next_round(cells, beyond, facet, u, v):  # type: ignore[no-untyped-def]
-    """Turn round edge `u v`, inside the hull, through the cell that names `facet`.
-
-    Returns
-    -------
-    facet : the next facet, as the next cell names it.
-    apex : its point besides `u` and `v`.
-    """
-    c, i = facet // 4, facet % 4
-    k = 0
-    while k == i or cells[c, k] == u or cells[c, k] == v:
-        k += 1
-    apex = np.int64(cells[c, i])
-    cell = np.int64(beyond[c, k])
-    j = 0
-    while cells[cell, j] == u or cells[cell, j] == v or cells[cell, j] == apex:
-        j += 1
-    return 4 * cell + j, apex
+def facets_at(corners, offsets, facets):  # type: ignore[no-untyped-def]
+    """Fill in the facets at each point, ascending: those at point p begin at ``offsets[p]``."""
+    place = offsets.copy()
+    for f in range(len(corners)):
+        for k in range(3):
+            p = corners[f, k]
+            facets[place[p]] = f
+            place[p] += 1

@@ -1,6 +1,7 @@
 """Greedy choice of Delaunay facets that make up a surface (Cohen-Steiner and Da 2004).
 
-Facets are named as in `_delaunay_kernels`. The *front*, the boundary of the surface while it grows, is a set of loops
+``space`` holds the points, the corners of facets, the facets at each point, and the facets' radii, as
+`subdfit.initial.delaunay.Facets` says. The *front*, the boundary of the surface while it grows, is a set of loops
 of points with the surface on their left. A point has one fan of triangles at all times, hence at most one front edge
 that leaves it, and edges are called by that point. ``front[u]`` holds what is known of edge u:
 
@@ -15,7 +16,6 @@ that leaves it, and edges are called by that point. ``front[u]`` holds what is k
 import numpy as np
 
 from subdfit.compiled import kernel
-from subdfit.initial._delaunay_kernels import next_round, other_name, third
 from subdfit.initial._heap_kernels import put, take_out
 
 AFTER, BEFORE, HELD, FACET, APEX, WAITERS, NEXT = 0, 1, 2, 3, 4, 5, 6
@@ -67,35 +67,40 @@ def _wide(points, u, v, b):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _joined(facet, u, v, space, surface):  # type: ignore[no-untyped-def]
-    """Whether the surface has the edge u v of `facet`."""
-    _, cells, beyond, _ = space
-    chosen = surface[0]
-    turning = facet
-    while True:
-        turning, _ = next_round(cells, beyond, turning, u, v)
-        if chosen[turning]:
-            return True
-        if turning == facet:
-            return False
+def _third(corners, facet, u, v):  # type: ignore[no-untyped-def]
+    """The point of a facet besides `u` and `v`; -1 where one of them is no corner."""
+    a, b, c = np.int64(corners[facet, 0]), np.int64(corners[facet, 1]), np.int64(corners[facet, 2])
+    if (a == u or b == u or c == u) and (a == v or b == v or c == v):
+        return a + b + c - u - v
+    return np.int64(-1)
 
 
 @kernel
-def _fits(u, v, b, facet, space, surface):  # type: ignore[no-untyped-def]
-    """Whether `facet`, across front edge u v and with third point b, can join and leave an oriented manifold.
+def _joined(u, v, space, surface):  # type: ignore[no-untyped-def]
+    """Whether the surface has the edge u v."""
+    _, corners, offsets, at, _ = space
+    chosen, found = surface[0], False
+    for k in range(offsets[u], offsets[u + 1]):
+        found = found or (chosen[at[k]] and _third(corners, at[k], u, v) >= 0)
+    return found
+
+
+@kernel
+def _fits(u, v, b, space, surface):  # type: ignore[no-untyped-def]
+    """Whether the facet across front edge u v with third point b can join and leave an oriented manifold.
 
     Where `b` is on the front but not next to the edge, it can only together with a twin.
     """
-    points, cells, _, _ = space
+    points, corners = space[0], space[1]
     _, state, front = surface
     if state[b] != FRONT:
         return state[b] == FREE
     left, right = front[u, BEFORE] == b, front[v, AFTER] == b
-    if left and _bend(points, b, u, third(cells, front[b, HELD], b, u), v) <= SLIVER:
+    if left and _bend(points, b, u, _third(corners, front[b, HELD], b, u), v) <= SLIVER:
         return False
-    if right and _bend(points, v, b, third(cells, front[v, HELD], v, b), u) <= SLIVER:
+    if right and _bend(points, v, b, _third(corners, front[v, HELD], v, b), u) <= SLIVER:
         return False
-    return (left or not _joined(facet, u, b, space, surface)) and (right or not _joined(facet, v, b, space, surface))
+    return (left or not _joined(u, b, space, surface)) and (right or not _joined(v, b, space, surface))
 
 
 @kernel
@@ -109,21 +114,19 @@ def _candidate(u, v, held, space, surface):  # type: ignore[no-untyped-def]
     facet, apex : the candidate and its point besides u and v; -1 where there is none.
     grade : 1 / radius within the wedge; below -1 outside, falling with the fold; `NONE` for none.
     """
-    points, cells, beyond, radii = space
-    _, state, _ = surface
-    w = third(cells, held, u, v)
+    points, corners, offsets, at, radii = space
+    state = surface[1]
+    w = _third(corners, held, u, v)
     best, best_apex, straightest, least = np.int64(-1), np.int64(-1), -1.0, np.inf
-    facet = held
-    while True:
-        facet, b = next_round(cells, beyond, facet, u, v)
-        if facet == held:
-            break
-        if not radii[facet] <= ALIKE * least or radii[facet] == np.inf or state[b] == INSIDE or _wide(points, u, v, b):
+    for k in range(offsets[u], offsets[u + 1]):
+        facet = np.int64(at[k])
+        b = _third(corners, facet, u, v)
+        if b < 0 or facet == held or not radii[facet] <= ALIKE * least or state[b] == INSIDE or _wide(points, u, v, b):
             continue
         bend = _bend(points, u, v, w, b)
         plausible = bend > WEDGE or (bend > SLIVER and radii[facet] <= JUMP * radii[held])
         better = ALIKE * radii[facet] < least or bend > straightest
-        if plausible and better and _fits(u, v, b, facet, space, surface):
+        if plausible and better and _fits(u, v, b, space, surface):
             best, best_apex, straightest, least = facet, b, bend, radii[facet]
     if best < 0:
         return best, best_apex, NONE
@@ -181,12 +184,9 @@ def _wake(b, surface, queue):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _choose(a, b, c, facet, space, surface, triangles, count):  # type: ignore[no-untyped-def]
+def _choose(a, b, c, facet, surface, triangles, count):  # type: ignore[no-untyped-def]
     """Make triangle a b c, which is `facet`, part of the surface."""
-    _, cells, beyond, _ = space
-    chosen = surface[0]
-    chosen[facet] = True
-    chosen[other_name(cells, beyond, facet)] = True
+    surface[0][facet] = True
     triangles[count[0], 0], triangles[count[0], 1], triangles[count[0], 2] = a, b, c
     count[0] += 1
 
@@ -206,14 +206,12 @@ def _connect(u, v, held, surface, queue):  # type: ignore[no-untyped-def]
 @kernel
 def _start(seed, space, surface, queue, triangles, count):  # type: ignore[no-untyped-def]
     """Begin a surface at a facet of free points that continues within the wedge across all its sides."""
-    cells = space[1]
-    state = surface[1]
-    c, i = seed // 4, seed % 4
-    a, b, d = np.int64(cells[c, (i + 1) % 4]), np.int64(cells[c, (i + 2) % 4]), np.int64(cells[c, (i + 3) % 4])
+    corners, state = space[1], surface[1]
+    a, b, d = np.int64(corners[seed, 0]), np.int64(corners[seed, 1]), np.int64(corners[seed, 2])
     for u, v in ((a, b), (b, d), (d, a)):
         if state[a] != FREE or state[b] != FREE or state[d] != FREE or _candidate(u, v, seed, space, surface)[2] < 0.0:
             return
-    _choose(a, b, d, seed, space, surface, triangles, count)
+    _choose(a, b, d, seed, surface, triangles, count)
     for u, v in ((a, b), (b, d), (d, a)):
         _connect(u, v, seed, surface, queue)
 
@@ -226,7 +224,7 @@ def _cover(u, space, surface, queue, triangles, count):  # type: ignore[no-untyp
     left = state[b] == FRONT and front[u, BEFORE] == b
     right = state[b] == FRONT and front[v, AFTER] == b
     _drop(u, surface, queue)
-    _choose(v, u, b, facet, space, surface, triangles, count)
+    _choose(v, u, b, facet, surface, triangles, count)
     if left:
         _drop(b, surface, queue)
     if right:
@@ -251,8 +249,8 @@ def _twin(u, space, surface, queue):  # type: ignore[no-untyped-def]
     front, grade = surface[2], queue[0]
     v, b = front[u, AFTER], front[u, APEX]
     p, q = front[b, BEFORE], front[b, AFTER]
-    ahead = front[b, APEX] == u and front[u, BEFORE] != q and _fits(b, q, u, front[b, FACET], space, surface)
-    back = front[p, APEX] == v and front[v, AFTER] != p and _fits(p, b, v, front[p, FACET], space, surface)
+    ahead = front[b, APEX] == u and front[u, BEFORE] != q and _fits(b, q, u, space, surface)
+    back = front[p, APEX] == v and front[v, AFTER] != p and _fits(p, b, v, space, surface)
     if ahead and (not back or grade[b] >= grade[p]):
         return b
     return p if back else np.int64(-1)
@@ -266,8 +264,8 @@ def _glue(u, twin, space, surface, queue, triangles, count):  # type: ignore[no-
     end = front[twin, AFTER]
     _drop(u, surface, queue)
     _drop(twin, surface, queue)
-    _choose(v, u, b, facet, space, surface, triangles, count)
-    _choose(end, twin, u if twin == b else v, other, space, surface, triangles, count)
+    _choose(v, u, b, facet, surface, triangles, count)
+    _choose(end, twin, u if twin == b else v, other, surface, triangles, count)
     if twin == b:
         _connect(b, v, facet, surface, queue)
         _connect(u, end, other, surface, queue)
@@ -279,22 +277,22 @@ def _glue(u, twin, space, surface, queue, triangles, count):  # type: ignore[no-
 
 
 @kernel
-def grow(seeds, points, cells, beyond, radii, state, triangles):  # type: ignore[no-untyped-def]
+def grow(seeds, points, corners, offsets, at, radii, state, triangles):  # type: ignore[no-untyped-def]
     """Grow a surface from each seed whose points are still free when its turn comes, until nothing plausible is left.
 
     Parameters
     ----------
-    seeds : (s,) int64, facets with a finite radius, in the order in which they are tried.
-    points, cells, beyond, radii : the tetrahedralisation, and the radii of its facets by name.
+    seeds : (s,) int64, facets in the order in which they are tried.
+    points, corners, offsets, at, radii : the attributes of `Facets`.
     state : (n,) int8, all `FREE`; afterwards tells where each point ended.
-    triangles : (s, 3) int64, filled from the top.
+    triangles : (k, 3) int64, filled from the top.
 
     Returns
     -------
     int : number of triangles.
     """
     n = len(state)
-    space = (points, cells, beyond, radii)
+    space = (points, corners, offsets, at, radii)
     surface = (np.zeros(len(radii), np.bool_), state, np.full((n, 7), -1, np.int64))
     queue = (np.full(n, NONE), np.empty(n, np.int64), np.full(n, -1, np.int64), np.zeros(1, np.int64))
     front, heap, size = surface[2], queue[1], queue[3]
@@ -304,7 +302,7 @@ def grow(seeds, points, cells, beyond, radii, state, triangles):  # type: ignore
         while size[0] > 0:
             u = heap[0]
             v, b = front[u, AFTER], front[u, APEX]
-            if b < 0 or not _fits(u, v, b, front[u, FACET], space, surface):
+            if b < 0 or not _fits(u, v, b, space, surface):
                 _look_ahead(u, space, surface, queue)
             elif state[b] == FREE or front[u, BEFORE] == b or front[v, AFTER] == b:
                 _cover(u, space, surface, queue, triangles, count)

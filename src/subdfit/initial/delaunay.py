@@ -1,4 +1,4 @@
-"""The Delaunay tetrahedralisation of a cloud, with the smallest empty sphere of each facet."""
+"""Facets of the Delaunay tetrahedralisation of a cloud, with the smallest empty sphere of each."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import Delaunay, cKDTree
 
-from subdfit.initial._delaunay_kernels import facet_radii
+from subdfit.initial import _delaunay_kernels as kernels
 from subdfit.parallel import map_chunks
 
 Floats = NDArray[np.float64]
@@ -17,44 +17,81 @@ FAR = 2.0
 NEIGHBOURS = 6
 """The spacing at a point is the distance to this nearest neighbour: where the sampling is regular, the first ring."""
 
-CELLS_A_CHUNK = 1 << 14
+LEAST_SLAB = 1 << 14
+"""Points that are worth a slab of their own."""
+
+MOST_OVERLAP = 0.2
+"""Share of the points up to which slabs may overlap."""
 
 
 @dataclass(frozen=True, eq=False)
-class Tetrahedra:
-    """Tetrahedra between n given and four far points, so that no given point is on the hull.
+class Facets:
+    """Triangles of Delaunay's tetrahedralisation that small empty spheres pass through.
 
     Attributes
     ----------
-    points : (n + 4, 3) float64.
-    cells : (c, 4) int32, rows of `points`.
-    beyond : (c, 4) int32, the cell across the facet opposite each corner, -1 outside the hull.
-    radii : (4 c,) float64, of the smallest empty sphere through facet ``4 cell + corner``; infinite for facets that
-        touch a far point, have no area, or whose radius exceeds what is allowed at each corner.
+    points : (n, 3) float64.
+    corners : (k, 3) int32, rows of `points`, ascending; facets are in the order of their first corners.
+    radii : (k,) float64, of the smallest sphere through each that is empty of points.
+    offsets, at : (n + 1,) and (3 k,) int32, the facets at point p are ``at[offsets[p] : offsets[p + 1]]``.
     """
 
     points: Floats
-    cells: NDArray[np.int32]
-    beyond: NDArray[np.int32]
+    corners: NDArray[np.int32]
     radii: Floats
+    offsets: NDArray[np.int32]
+    at: NDArray[np.int32]
 
 
-def tetrahedra(points: Floats, largest: Floats) -> Tetrahedra:
-    """Tetrahedralise points in the normalised frame, (n, 3), no two the same; `largest`, (n,), bounds radii at each.
+def small_facets(points: Floats, largest: Floats) -> Facets:
+    """Find the Delaunay facets of points in the normalised frame, (n, 3), ascending by x and no two the same.
 
-    Without the far points a flat cloud has no tetrahedra, and the hull's facets only one side. Qhull leaves cells
-    without volume between points on one sphere; their neighbours agree, so that turning round an edge passes them.
+    A sphere of a facet may be as large as `largest`, (n,), at one of its corners. So facets depend on nothing farther
+    off than twice the largest radius: each is found in a slab of points that reaches so far beyond its first corner.
+    """
+    slabs = _slabs(points[:, 0], 2 * float(largest.max()))
+
+    def found_in(slab: int, _: int) -> tuple[NDArray[np.int32], Floats]:
+        low, begin, end, high = slabs[slab]
+        corners, radii = _facets_of(points[low:high], largest[low:high], begin - low, end - low)
+        return corners + np.int32(low), radii
+
+    corners, radii = (np.concatenate(parts) for parts in zip(*map_chunks(found_in, len(slabs), 1), strict=True))
+    order = np.argsort(corners[:, 0], kind="stable")
+    corners, radii = corners[order], radii[order]
+    number = np.bincount(corners.ravel(), minlength=len(points))
+    offsets, at = np.concatenate([[0], np.cumsum(number)]).astype(np.int32), np.empty(corners.size, np.int32)
+    kernels.facets_at(corners, offsets, at)
+    return Facets(points, corners, radii, offsets, at)
+
+
+def _slabs(x: Floats, reach: float) -> NDArray[np.int64]:
+    """Rows low, begin, end, high of slabs (s, 4) of points at ascending x.
+
+    Points begin..end - 1 are in one slab only, low..high - 1 are what is within reach of them. There are as many slabs
+    as can be without much overlap.
+    """
+    for count in range(len(x) // LEAST_SLAB, 1, -1):
+        bounds = np.arange(count + 1) * len(x) // count
+        begin, end = bounds[:-1], bounds[1:]
+        low, high = np.searchsorted(x, x[begin] - reach), np.searchsorted(x, x[end - 1] + reach, "right")
+        if np.sum(high - low) <= (1 + MOST_OVERLAP) * len(x):
+            return np.stack([low, begin, end, high], axis=1)
+    return np.array([[0, 0, len(x), len(x)]])
+
+
+def _facets_of(points: Floats, largest: Floats, begin: int, end: int) -> tuple[NDArray[np.int32], Floats]:
+    """Facets with their first corner in begin..end - 1: rows of points (k, 3), ascending, and radii (k,).
+
+    Four far points are added, lest a flat cloud have no tetrahedra, and the hull's facets only one side. Qhull leaves
+    cells without volume between points on one sphere, which do no harm: a point in a facet's plane bounds no sphere.
     """
     corners = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
-    found = Delaunay(np.concatenate([points, FAR / np.sqrt(3) * corners]), qhull_options="Qbb Qc Q12")
-    cells, beyond = np.ascontiguousarray(found.simplices), np.ascontiguousarray(found.neighbors)
-    radii = np.full(cells.size, np.inf)
-    map_chunks(
-        lambda start, stop: facet_radii(found.points, cells, beyond, largest, start, stop, radii),
-        len(cells),
-        CELLS_A_CHUNK,
-    )
-    return Tetrahedra(found.points, cells, beyond, radii)
+    space = Delaunay(np.concatenate([points, FAR / np.sqrt(3) * corners]), qhull_options="Qbb Qc Q12")
+    cells, beyond = np.ascontiguousarray(space.simplices), np.ascontiguousarray(space.neighbors)
+    rows, radii = np.empty((2 * len(cells), 3), np.int32), np.empty(2 * len(cells))
+    count = kernels.small_facets(space.points, cells, beyond, np.ascontiguousarray(largest), begin, end, rows, radii)
+    return rows[:count].copy(), radii[:count].copy()
 
 
 def spacing(points: Floats) -> Floats:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from subdfit.errors import InputError
 from subdfit.initial._reconstruct_kernels import grow
-from subdfit.initial.delaunay import spacing, tetrahedra
+from subdfit.initial.delaunay import small_facets, spacing
 from subdfit.initial.holes import fill_holes
 from subdfit.initial.orient import components_of, oriented_outward
 from subdfit.initial.reconstruct_cgal import cgal_triangles
@@ -62,23 +62,22 @@ class Reconstructed:
 
 
 def greedy_triangles(points: Floats, gap: float) -> Rows:
-    """Choose triangles among distinct normalised points (n, 3): own engine.
+    """Choose triangles among distinct normalised points (n, 3), ascending by x: own engine.
 
     The result is an oriented manifold, (m, 3) int64.
     """
     distance = spacing(points)
-    space = tetrahedra(points, gap * distance)
-    lower = np.arange(len(space.cells))[:, None] < space.beyond
-    seeds = np.flatnonzero(lower.ravel() & (space.radii <= SPARSEST * np.median(distance)))
-    seeds = seeds[np.argsort(space.radii[seeds], kind="stable")]
-    triangles = np.empty((np.count_nonzero(np.isfinite(space.radii)) // 2, 3), np.int64)
+    facets = small_facets(points, gap * distance)
+    seeds = np.flatnonzero(facets.radii <= SPARSEST * np.median(distance))
+    seeds = seeds[np.argsort(facets.radii[seeds], kind="stable")]
+    triangles = np.empty((len(facets.radii), 3), np.int64)
     state = np.zeros(len(points), np.int8)
-    count = grow(seeds, space.points, space.cells, space.beyond, space.radii, state, triangles)
+    count = grow(seeds, facets.points, facets.corners, facets.offsets, facets.at, facets.radii, state, triangles)
     return triangles[:count].copy()
 
 
 ENGINES: dict[str, Callable[[Floats, float], Rows]] = {"greedy": greedy_triangles, "cgal": cgal_triangles}
-"""From distinct normalised points and a gap to oriented manifold triangles."""
+"""From distinct normalised points, ascending by x, and a gap to oriented manifold triangles."""
 
 
 def reconstruct(
@@ -127,8 +126,8 @@ def reconstruct(
     inside = Frame.of(positions[first]).inside(positions[first])
     triangles = ENGINES[engine](inside, gap)
     _check(triangles, len(first), name)
-    used, corners = np.unique(first[triangles], return_inverse=True)
-    triangles = _closed(positions[used], corners.reshape(-1, 3).astype(np.int64), small_hole)
+    used, triangles = _compact(first[triangles], len(positions))
+    triangles = _closed(positions[used], triangles, small_hole)
     _doubt(triangles, len(used), name)
     known = None if normals is None else np.asarray(normals, np.float64).reshape(-1, 3)[used]
     found = Reconstructed(
@@ -160,6 +159,13 @@ def _check(triangles: Rows, points: int, name: str) -> None:
             f"{name}: only {used:,} of {points:,} points lie on a surface; the sampling is too sparse for the shape, "
             "or an axis is in another unit: give denser points, or check the scale"
         )
+
+
+def _compact(triangles: Rows, points: int) -> tuple[Rows, Rows]:
+    """The rows that occur, ascending, and the triangles in terms of them."""
+    occurs = np.zeros(points, np.bool_)
+    occurs[triangles] = True
+    return np.flatnonzero(occurs), (np.cumsum(occurs) - 1)[triangles]
 
 
 def _closed(points: Floats, triangles: Rows, small_hole: int) -> Rows:
