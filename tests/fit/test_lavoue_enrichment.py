@@ -8,9 +8,10 @@ from scipy.spatial import Delaunay
 import subdfit
 from subdfit.curves.loops import fit_loop
 from subdfit.curves.polyline import Polyline
-from subdfit.fit.lavoue_enrichment import Faces, fan, is_diffuse, principal_error_field
+from subdfit.fit.lavoue_enrichment import Faces, is_diffuse, principal_error_field
 from subdfit.fit.lavoue_open import enriched, fit_open
 from subdfit.initial.lavoue import BoundaryPolygon, boundary_start
+from subdfit.initial.lavoue_fan import fan
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.mesh.topology import Topology
 from subdfit.target.curvature import curvature_field

@@ -36,6 +36,19 @@ _STIFFNESS = 1e-7
 """Weight of second differences of control points, which only decides where nothing else does."""
 
 
+_GAVE_UP = 2e-2
+"""The same where curves will be moved again."""
+
+
+@dataclass(frozen=True)
+class _Effort:
+    """How long a fit goes on: until its error is `enough`, or changes by less than a share."""
+
+    signed: bool = False
+    enough: float = 0.0
+    settled: float = _SETTLED
+
+
 @dataclass(frozen=True)
 class CurveFit:
     """A subdivision curve fitted to a polyline.
@@ -52,7 +65,9 @@ class CurveFit:
     iterations: int
 
 
-def fit_curve(target: Polyline, tolerance: float, *, most: int = 200, signed: bool = False) -> CurveFit:
+def fit_curve(
+    target: Polyline, tolerance: float, *, most: int = 200, signed: bool = False, quick: bool = False
+) -> CurveFit:
     """Fit with the fewest control points that meet a tolerance.
 
     Parameters
@@ -61,6 +76,9 @@ def fit_curve(target: Polyline, tolerance: float, *, most: int = 200, signed: bo
     tolerance : largest distance between the two curves, in the target's unit.
     most : number of control points at which to stop trying; never more than the target's points.
     signed : use signed radii of curvature in the model of the squared distance (see `tangential_weights`).
+    quick
+        Take the first that meets the tolerance and improve it no further, and give up sooner one that does not: for
+        curves that will be moved again.
 
     Returns
     -------
@@ -70,23 +88,24 @@ def fit_curve(target: Polyline, tolerance: float, *, most: int = 200, signed: bo
     """
     if not tolerance > 0:
         raise InputError(f"the tolerance of a curve is {tolerance}; give a positive length")
+    how = _Effort(signed, tolerance, _GAVE_UP) if quick else _Effort(signed)
     low, high = 1 + target.closed, 2 + target.closed
     most = max(min(most, len(target.points)), high)
-    best = found = fit_with(target, high, signed=signed)
+    best = found = _placed(target, high, how)
     while found.error > tolerance and high < most:
         low, high = high, min(2 * high, most)
-        found = fit_with(target, high, signed=signed)
+        found = _placed(target, high, how)
         best = min(best, found, key=lambda fit: fit.error)
     if found.error > tolerance:
         return best
     while high - low > 1:
         middle = (low + high) // 2
-        tried = fit_with(target, middle, signed=signed)
+        tried = _placed(target, middle, how)
         low, high, found = (low, middle, tried) if tried.error <= tolerance else (middle, high, found)
-    return _without_idle(target, found, tolerance, signed)
+    return _without_idle(target, found, tolerance, how)
 
 
-def _without_idle(target: Polyline, fit: CurveFit, tolerance: float, signed: bool) -> CurveFit:
+def _without_idle(target: Polyline, fit: CurveFit, tolerance: float, how: _Effort) -> CurveFit:
     """Take out control points near the middle of their neighbours while the tolerance holds."""
     points, closed = fit.curve.points, fit.curve.closed
     if len(points) <= 2 + closed:
@@ -94,19 +113,23 @@ def _without_idle(target: Polyline, fit: CurveFit, tolerance: float, signed: boo
     off = np.linalg.norm(points - (np.roll(points, 1, axis=0) + np.roll(points, -1, axis=0)) / 2, axis=1)
     inner = np.arange(len(points)) if closed else np.arange(1, len(points) - 1)
     for k in inner[np.argsort(off[inner], kind="stable")][:_IDLE]:
-        fewer = minimise(target, SubdivisionCurve(np.delete(points, k, axis=0), closed), signed=signed)
+        fewer = _minimised(target, SubdivisionCurve(np.delete(points, k, axis=0), closed), how)
         if fewer.error <= tolerance:
-            return _without_idle(target, fewer, tolerance, signed)
+            return _without_idle(target, fewer, tolerance, how)
     return fit
 
 
 def fit_with(target: Polyline, count: int, *, signed: bool = False) -> CurveFit:
     """Fit with a given number of control points: the best of a few placements by the target's curvature."""
-    found = []
+    return _placed(target, count, _Effort(signed))
+
+
+def _placed(target: Polyline, count: int, how: _Effort) -> CurveFit:
+    found: list[CurveFit] = []
     for power, ends in _PLACEMENTS[:2] if target.closed else _PLACEMENTS:
         arcs = placed_by_curvature(target, count, power, ends)
-        found.append(minimise(target, SubdivisionCurve(target.at(arcs), target.closed), signed=signed))
-        if count <= 2 + target.closed:
+        found.append(_minimised(target, SubdivisionCurve(target.at(arcs), target.closed), how))
+        if count <= 2 + target.closed or found[-1].error <= how.enough:
             break
     return min(found, key=lambda fit: fit.error)
 
@@ -141,6 +164,10 @@ def minimise(target: Polyline, curve: SubdivisionCurve, *, signed: bool = False)
     Each round takes footpoints on the target of samples of the curve, and minimises the sum of second-order models of
     the squared distance there: linear least squares in the control points. The best round is kept.
     """
+    return _minimised(target, curve, _Effort(signed))
+
+
+def _minimised(target: Polyline, curve: SubdivisionCurve, how: _Effort) -> CurveFit:
     samples = max(_SAMPLES * curve.length, _FEWEST_SAMPLES)
     parameters = np.arange(samples) * curve.length / samples
     W = curve_weights(parameters, len(curve.points), curve.closed)
@@ -148,11 +175,11 @@ def minimise(target: Polyline, curve: SubdivisionCurve, *, signed: bool = False)
     best = CurveFit(curve, two_sided_error(target, curve), 0)
     previous = best.error
     for iteration in range(1, _ROUNDS + 1):
-        curve = _step(target, curve, W, window, signed)
+        curve = _step(target, curve, W, window, how.signed)
         error = two_sided_error(target, curve)
         if error < best.error:
             best = CurveFit(curve, error, iteration)
-        if abs(previous - error) <= _SETTLED * error:
+        if error <= how.enough or abs(previous - error) <= how.settled * error:
             break
         previous = error
     return best

@@ -8,6 +8,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
+from subdfit.initial.lavoue_fan import fan, ring_sides
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.mesh.topology import Topology
 
@@ -81,14 +82,14 @@ class Faces:
 
     def _left_bare(self, loop: Ring, chosen: list[int]) -> set[int]:
         """Inner vertices of a ring round faces that keep one other face only: without a spoke, their valence were 2."""
-        sides = {side for ring in self.rings for side in _sides(ring)}
+        sides = {side for ring in self.rings for side in ring_sides(ring)}
         rim = {v for side in sides if side[::-1] not in sides for v in side}
         left = [v for k, ring in enumerate(self.rings) if k not in chosen for v in ring]
         return {v for v in loop if v not in rim and left.count(v) == 1}
 
     def enrich_each(self, chosen: list[int]) -> None:
         """The diffuse case: each face gets a vertex at its middle, and sides between two of them are cut."""
-        owner = {(a, b): k for k in chosen for a, b in _sides(self.rings[k])}
+        owner = {(a, b): k for k in chosen for a, b in ring_sides(self.rings[k])}
         middle: dict[frozenset[int], int] = {}
         for a, b in sorted(side for side in owner if side[::-1] in owner and side[0] < side[1]):
             self.points.append((self.points[a] + self.points[b]) / 2)
@@ -96,7 +97,7 @@ class Faces:
         fresh: list[Ring] = []
         for k in chosen:
             loop: Ring = []
-            for a, b in _sides(self.rings[k]):
+            for a, b in ring_sides(self.rings[k]):
                 loop += [a, *([middle[frozenset((a, b))]] if frozenset((a, b)) in middle else [])]
             self.points.append(np.mean([self.points[v] for v in self.rings[k]], axis=0))
             cut = [i for i, v in enumerate(loop) if v in middle.values()]
@@ -109,7 +110,7 @@ class Faces:
 
     def _outline(self, chosen: list[int]) -> Ring:
         """The ring round some faces; empty unless they form a disk."""
-        sides = {side for k in chosen for side in _sides(self.rings[k])}
+        sides = {side for k in chosen for side in ring_sides(self.rings[k])}
         outer = dict(side for side in sides if side[::-1] not in sides)
         if len(outer) != sum(side[::-1] not in sides for side in sides):
             return []
@@ -120,25 +121,3 @@ class Faces:
         inside = {v for k in chosen for v in self.rings[k]} - set(loop)
         euler = len(loop) + len(inside) - (len(sides) + len(outer)) // 2 + len(chosen)
         return loop if len(loop) == len(outer) and euler == 1 else []
-
-
-def fan(loop: Ring, centre: int, needed: set[int] | None = None) -> list[Ring]:
-    """Faces round a vertex inside a ring: quads where the centre keeps three spokes, else triangles.
-
-    Parameters
-    ----------
-    loop : vertices round the centre, counter-clockwise.
-    centre : the vertex.
-    needed : vertices of the ring that get a spoke in any case; between them every other one does.
-    """
-    n = len(loop)
-    stops = [i for i, v in enumerate(loop) if v in (needed or set())] or [0]
-    spokes = [i for a, b in pairwise([*stops, stops[0] + n]) for i in range(a, b, 2)]
-    if len(spokes) < 3:
-        spokes = list(range(n))
-    turned = [*loop, *loop, *loop]
-    return [[centre, *turned[a : b + 1]] for a, b in pairwise([*spokes, spokes[0] + n])]
-
-
-def _sides(ring: Ring) -> list[tuple[int, int]]:
-    return list(zip(ring, [*ring[1:], ring[0]], strict=True))

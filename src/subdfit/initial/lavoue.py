@@ -70,7 +70,10 @@ def boundary_start(
     loop_of = np.repeat(np.arange(len(polygons)), [len(p.points) for p in polygons])
     contour = topologic_contour(surface, anchors, loop_of)
     limits = np.concatenate([p.limits for p in polygons])[contour.controls]
-    rings = Cutting(contour, limits, most_corners).faces()
+    cutting = Cutting(contour, limits, most_corners)
+    rings = cutting.faces()
+    if cutting.stuck:
+        raise InputError("the boundary has too few control points for its holes; ask for a smaller tolerance")
     faces = [contour.controls[ring] for ring in rings]
     topology = Topology.from_faces(
         np.concatenate([[0], np.cumsum([len(face) for face in faces])]),

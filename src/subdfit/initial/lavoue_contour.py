@@ -6,18 +6,18 @@ which side of a link the contour goes on, the paper decides by shortest paths th
 nothing else is possible.
 """
 
+from collections.abc import Set
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from subdfit.errors import InputError
 from subdfit.initial.lavoue_scores import ScoredSurface
 from subdfit.target.curvature import CurvatureField
 from subdfit.target.curves import boundary_loops
 from subdfit.target.features import mesh_edges
+from subdfit.target.network import cut_open
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -44,7 +44,13 @@ class Contour:
     links: Indices
 
 
-def topologic_contour(surface: ScoredSurface, anchors: Indices, loop_of: Indices) -> Contour:
+def topologic_contour(
+    surface: ScoredSurface,
+    anchors: Indices,
+    loop_of: Indices,
+    names: Indices | None = None,
+    taken: Set[frozenset[int]] = frozenset(),
+) -> Contour:
     """Cut a surface open along the linking edges of least score.
 
     Parameters
@@ -52,6 +58,8 @@ def topologic_contour(surface: ScoredSurface, anchors: Indices, loop_of: Indices
     surface : a connected mesh with at least one boundary, without handles.
     anchors : (c,) int64, the boundary vertex at which each control point's limit lies; all different.
     loop_of : (c,) int64, the boundary to which each control point belongs.
+    names : (c,) int64, what the control points are called; one that lies on both sides of a cut occurs twice.
+    taken : pairs of names that no edge may join any more.
 
     Raises
     ------
@@ -63,9 +71,12 @@ def topologic_contour(surface: ScoredSurface, anchors: Indices, loop_of: Indices
         raise InputError("the surface is closed; segment it into open patches first")
     _require_disk_with_holes(surface, len(loops))
     origin = np.arange(len(surface.points))
+    names = np.arange(len(anchors)) if names is None else names
+    taken = set(taken)
     joined, links = np.arange(int(loop_of.max()) + 1), []
     for a, b in _candidates(surface, anchors, loop_of):
-        if joined[loop_of[a]] == joined[loop_of[b]]:
+        link = frozenset((int(names[a]), int(names[b])))
+        if joined[loop_of[a]] == joined[loop_of[b]] or len(link) < 2 or link in taken:
             continue
         path = _shortest(surface, np.flatnonzero(origin == anchors[a]), np.flatnonzero(origin == anchors[b]))
         if len(path) == 0:
@@ -73,12 +84,13 @@ def topologic_contour(surface: ScoredSurface, anchors: Indices, loop_of: Indices
         surface, came_from = cut(surface, path)
         origin = origin[came_from]
         joined[joined == joined[loop_of[b]]] = joined[loop_of[a]]
-        links.append((a, b))
+        taken.add(link)
+        links.append((int(names[a]), int(names[b])))
     if len(np.unique(joined)) > 1:
         raise InputError("a boundary cannot be linked to the others: its triangles are too few; refine the mesh")
     rim = boundary_loops(surface.triangles)[0].vertices
     control = np.full(len(origin), -1)
-    control[anchors] = np.arange(len(anchors))
+    control[anchors] = names
     marked = rim[control[origin[rim]] >= 0]
     return Contour(surface, marked, control[origin[marked]], np.array(links, np.int64).reshape(-1, 2))
 
@@ -132,21 +144,6 @@ def cut(surface: ScoredSurface, path: Indices) -> tuple[ScoredSurface, Indices]:
     surface : the mesh after the cut, with the curvature of before.
     origin : (n',) int64, the vertex of before that each stands for.
     """
-    edges = mesh_edges(surface.points, surface.triangles)
-    key = np.array([len(surface.points), 1])
-    steps = np.sort(np.stack([path[:-1], path[1:]], axis=1), axis=1) @ key
-    whole = (edges.valence == 2) & ~np.isin(edges.vertices @ key, steps)
-    faces, ends = edges.faces[whole], edges.vertices[whole]
-    triangles = np.asarray(surface.triangles, np.int64)
-    corner = [
-        [3 * faces[:, side] + np.argmax(triangles[faces[:, side]] == ends[:, k, None], axis=1) for k in range(2)]
-        for side in range(2)
-    ]
-    one, other = np.concatenate(corner[0]), np.concatenate(corner[1])
-    links = coo_array((np.ones(len(one), np.int8), (one, other)), shape=(triangles.size, triangles.size))
-    count, fan = connected_components(links, directed=False)
-    origin = np.empty(count, np.int64)
-    origin[fan] = triangles.ravel()
-    opened = fan.reshape(-1, 3).astype(np.int64)
+    opened, origin = cut_open(surface.triangles, np.stack([path[:-1], path[1:]], axis=1))
     field = CurvatureField(opened, surface.field.tensors[origin], surface.field.normals[origin])
     return replace(surface, points=surface.points[origin], triangles=opened, field=field), origin

@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from subdfit.initial.lavoue_fan import ring_sides
+
 Floats = NDArray[np.float64]
 Ring = list[int]
 
@@ -54,7 +56,7 @@ def convex_parts(rings: list[Ring], points: Floats, names: NDArray[np.int64], mo
     """
     rings = [list(ring) for ring in rings]
     while True:
-        side_of = {(a, b): k for k, ring in enumerate(rings) for a, b in _sides(ring)}
+        side_of = {(a, b): k for k, ring in enumerate(rings) for a, b in ring_sides(ring)}
         shared = sorted((a, b) for a, b in side_of if a < b and (b, a) in side_of)
         shared.sort(key=lambda side: -float(np.linalg.norm(points[side[0]] - points[side[1]])))
         for a, b in shared:
@@ -67,10 +69,6 @@ def convex_parts(rings: list[Ring], points: Floats, names: NDArray[np.int64], mo
                 break
         else:
             return rings
-
-
-def _sides(ring: Ring) -> list[tuple[int, int]]:
-    return list(zip(ring, [*ring[1:], ring[0]], strict=True))
 
 
 def _joined(one: Ring, other: Ring, a: int, b: int) -> Ring:

@@ -1,11 +1,11 @@
 """Recursive cutting of the topologic contour into faces (Lavoué et al. 2007, Figure 7)."""
 
+from collections.abc import Set
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from subdfit.errors import InputError
 from subdfit.initial.lavoue_contour import Contour
 from subdfit.initial.lavoue_convex import convex_parts, is_convex
 
@@ -25,20 +25,27 @@ class Cutting:
     contour : the contour.
     limits : (k, 3) float64, the limit points at its places.
     most_corners : of a face.
+    taken : pairs of control points that no chord may join any more.
+    stuck : rings that no chord cuts and that are no faces.
     """
 
     contour: Contour
     limits: Floats
     most_corners: int = 4
+    taken: Set[frozenset[int]] = frozenset()
+    stuck: list[Ring] = field(default_factory=list)
     _rough: dict[tuple[int, int], tuple[float, float]] = field(default_factory=dict)
     _fine: dict[tuple[int, int], tuple[float, float]] = field(default_factory=dict)
     _edges: set[frozenset[int]] = field(default_factory=set)
 
     def faces(self) -> list[Ring]:
-        """Cut until every ring is a face: a triangle, a convex quad, or a plane ring cut into convex parts."""
+        """Cut until every ring is a face: a triangle, a convex quad, or a plane ring cut into convex parts.
+
+        Rings for which there is no chord are left in `stuck`.
+        """
         controls = self.contour.controls
         count = len(controls)
-        self._edges = {frozenset((int(controls[k - 1]), int(controls[k]))) for k in range(count)}
+        self._edges = {frozenset((int(controls[k - 1]), int(controls[k]))) for k in range(count)} | self.taken
         self._score_all()
         done: list[Ring] = []
         waiting: list[Ring] = [list(range(count))]
@@ -47,7 +54,11 @@ class Cutting:
             if self._is_face(ring):
                 done.append(ring)
                 continue
-            i, j = self._best_chord(ring)
+            chord = self._best_chord(ring)
+            if chord is None:
+                self.stuck.append(ring)
+                continue
+            i, j = chord
             self._edges.add(frozenset((int(controls[ring[i]]), int(controls[ring[j]]))))
             waiting += [ring[i : j + 1], ring[j:] + ring[: i + 1]]
         return convex_parts(done, self.limits, controls, self.most_corners)
@@ -74,13 +85,13 @@ class Cutting:
         a, b = (int(self.contour.controls[k]) for k in (i, j))
         return a != b and frozenset((a, b)) not in self._edges
 
-    def _best_chord(self, ring: Ring) -> tuple[int, int]:
-        """Places within a ring between which to cut: least score, then shortest."""
+    def _best_chord(self, ring: Ring) -> tuple[int, int] | None:
+        """Places within a ring between which to cut: least score, then shortest; None where there are none."""
         n = len(ring)
         chords = [(i, j) for i in range(n) for j in range(i + 2, n - (i == 0)) if self._possible(ring[i], ring[j])]
         chords = [chord for chord in chords if self._leaves_faces(ring, *chord)]
         if not chords:
-            raise InputError("the boundary has too few control points for its holes; ask for a smaller tolerance")
+            return None
         key = {chord: (min(ring[chord[0]], ring[chord[1]]), max(ring[chord[0]], ring[chord[1]])) for chord in chords}
         chords.sort(key=lambda chord: (self._rough[key[chord]], chord))
         if self.contour.surface.paths == "dijkstra":

@@ -1,0 +1,89 @@
+"""The first control mesh of a whole part (Lavoué et al. 2007): segmented, its curves fitted, its patches joined."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subdfit.curves.network import fit_network, sharp_vertices
+from subdfit.initial.lavoue_whole import PatchError, join_patches
+from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.target.features import automatic_creases
+from subdfit.target.network import Cuts, curve_network
+from subdfit.target.segmentation import SegmentationSettings, segment_mesh
+from subdfit.target.segmentation_cutting import halved, part_cuts, without_handles
+from subdfit.target.segmentation_slivers import without_needles
+from subdfit.target.target import Target
+
+Indices = NDArray[np.int64]
+
+_MOST_CUTS = 20
+"""Patches that are cut in two because their boundaries cannot be joined, before giving up."""
+
+
+@dataclass(frozen=True)
+class CutPart:
+    """A part and where it is cut into patches that are disks with holes.
+
+    Attributes
+    ----------
+    target : without needles; its creases are those along which it is cut.
+    cuts : borders of its faces, creases, its boundary.
+    """
+
+    target: Target
+    cuts: Cuts
+
+
+def cut_part(target: Target, settings: SegmentationSettings | None = None) -> CutPart:
+    """Segment a part and cut it into patches.
+
+    Parameters
+    ----------
+    target : a mesh.
+    settings : of the segmentation.
+    """
+    triangles = without_needles(target.points, target.triangles)
+    if np.any(triangles != target.triangles):
+        # Needles hide creases; those that the caller chose are kept as they are.
+        own = np.array_equal(target.crease_edges, automatic_creases(target.points, target.triangles))
+        creases = automatic_creases(target.points, triangles) if own else target.crease_edges
+        target = replace(target, triangles=triangles, crease_edges=creases)
+    found = segment_mesh(target, settings)
+    cuts = part_cuts(target.points, triangles, found.labels, found.feature_edges)
+    cuts = without_handles(target.points, triangles, cuts)
+    inner = cuts.exact & ~_among(cuts.edges, target.boundary_edges)
+    return CutPart(replace(target, crease_edges=cuts.edges[inner]), cuts)
+
+
+def _among(edges: Indices, others: Indices) -> NDArray[np.bool_]:
+    key = np.array([int(edges.max(initial=0)) + 1, 1])
+    return np.isin(np.sort(edges, axis=1) @ key, np.sort(others, axis=1) @ key)
+
+
+def whole_start(part: CutPart, tolerance: float) -> ControlMesh:
+    """A quad-triangle control mesh of a part whose sharp control edges are its creases.
+
+    Parameters
+    ----------
+    part : the part.
+    tolerance : of the curves, in the target's unit.
+
+    Raises
+    ------
+    PatchError
+        A patch has no control mesh, though it was cut in two many times.
+    """
+    points, triangles, cuts = part.target.points, part.target.triangles, part.cuts
+    for tried in range(_MOST_CUTS + 1):
+        turns = sharp_vertices(points, cuts.edges[cuts.exact])
+        network = curve_network(triangles, cuts, turns)
+        fitted = fit_network(points, network.arcs, tolerance)
+        corners = np.flatnonzero(np.isin(fitted.nodes, turns))
+        try:
+            return join_patches(points, network, fitted.points, fitted.limits, fitted.chains, fitted.places, corners)
+        except PatchError as error:
+            if tried == _MOST_CUTS:
+                raise
+            cuts = halved(points, network.patches[error.patch], cuts)
+    raise AssertionError

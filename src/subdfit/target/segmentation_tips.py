@@ -1,0 +1,104 @@
+"""Creases that fade out inside a region, led on to the next crease or border.
+
+Where two bores of one size cross, their crease fades out towards the places at which they touch, and segmentation sees
+one region with slits. Its pieces are simple once the slits are joined.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import dijkstra
+
+from subdfit.target.features import Edges
+from subdfit.target.network import Cuts, network_arcs
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+_BEND = 5.0
+"""Degrees across an edge that make a path along it half as long."""
+_BACK = 3
+"""Edges from which the direction of a chain's end is taken."""
+
+
+def continued(points: Floats, edges: Edges, cuts: Flags) -> Flags:
+    """Edges (e,) that lead from ends of chains of cuts inside the surface to other cuts, along edges that bend.
+
+    Parameters
+    ----------
+    points : (n, 3) float64.
+    edges : of the mesh.
+    cuts : (e,) bool, borders and creases, the mesh's boundary among them.
+    """
+    ends = points[edges.vertices]
+    cost = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) / (1 + edges.angle / _BEND)
+    cuts, led = cuts.copy(), np.zeros(len(cuts), np.bool_)
+    while True:
+        degree = np.bincount(edges.vertices[cuts].ravel(), minlength=len(points))
+        tips = np.flatnonzero(degree == 1).tolist()
+        paths = (_shortest(points, edges, cost, cuts, tip) for tip in tips)
+        path = next((path for path in paths if len(path)), None)
+        if path is None:
+            return led
+        cuts[path] = led[path] = True
+
+
+def led_along_borders(points: Floats, edges: Edges, sharp: Flags, borders: Flags) -> Flags:
+    """Sharp edges (e,) and those of smooth borders along which creases go on that end on one, the most bent first.
+
+    Parameters
+    ----------
+    points, edges : of the mesh.
+    sharp, borders : (e,) bool, creases and boundary; where regions meet smoothly.
+    """
+    sharp = sharp.copy()
+    while True:
+        degree = np.bincount(edges.vertices[sharp].ravel(), minlength=len(points))
+        smooth = np.flatnonzero(borders & ~sharp)
+        at_tip = (degree[edges.vertices[smooth]] == 1).any(axis=1)
+        if not at_tip.any():
+            return sharp
+        sharp[smooth[at_tip][np.argmax(edges.angle[smooth[at_tip]])]] = True
+
+
+def _shortest(points: Floats, edges: Edges, cost: Floats, cuts: Flags, tip: int) -> Indices:
+    """Edges of the shortest path from a tip to a cut that is not its own chain; empty if there is none.
+
+    A step costs up to three times as much the more it turns away from where the chain led.
+    """
+    chain = _chain_from(edges.vertices[cuts], tip)
+    on_cut = np.zeros(len(points), np.bool_)
+    on_cut[edges.vertices[cuts]] = True
+    # A path ends where it meets a cut: no step leads away from one, but from the tip.
+    start, end = (np.concatenate([edges.vertices[:, k], edges.vertices[:, 1 - k]]) for k in range(2))
+    allowed = np.flatnonzero((~on_cut[start] | (start == tip)) & ~np.isin(end, chain))
+    start, end = start[allowed], end[allowed]
+    ahead = _unit(points[tip] - points[chain[min(_BACK, len(chain) - 1)]])
+    turn = 2 - _unit(points[end] - points[start]) @ ahead
+    steps = np.maximum(cost[allowed % len(cost)] * turn, 1e-300)
+    shape = (len(points), len(points))
+    graph = csr_array(coo_array((steps, (start, end)), shape=shape))
+    lengths, predecessors = dijkstra(graph, indices=[tip], return_predecessors=True)
+    length, before = np.where(on_cut, lengths[0], np.inf), predecessors[0]
+    length[chain] = np.inf
+    if not np.isfinite(length).any():
+        return np.empty(0, np.int64)
+    at, path = int(np.argmin(length)), []
+    while at != tip:
+        path.append(sorted((int(before[at]), at)))
+        at = int(before[at])
+    key = np.array([len(points), 1])
+    return np.flatnonzero(np.isin(edges.vertices @ key, np.array(path) @ key))
+
+
+def _chain_from(cuts: Indices, tip: int) -> Indices:
+    """Vertices of the chain of cuts that ends at a tip, from there on."""
+    flags = np.ones(len(cuts), np.bool_)
+    chains = [arc.vertices for arc in network_arcs(Cuts(cuts, flags, flags)) if not arc.closed]
+    chain = next(vertices for vertices in chains if tip in vertices[[0, -1]])
+    return chain if chain[0] == tip else chain[::-1]
+
+
+def _unit(vectors: Floats) -> Floats:
+    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300))
