@@ -5,17 +5,21 @@ from itertools import product
 import numpy as np
 
 from subdfit.schemes._quad_triangle_kinds import Corner, Strip
-from subdfit.schemes._quad_triangle_types import MixedPatches, _types
-from subdfit.schemes._type_store import Kept, TypeStore
-from subdfit.schemes.patch_table import PatchType
+from subdfit.schemes._quad_triangle_types import _types
+from subdfit.schemes._type_store import Kept, PlacedType, TypeStore
 
 
-def made(kinds):
-    return [PatchType(kind, 0, (-1, -1, -1), np.full(kind, kind / 7)) for kind in kinds]
+def made(kinds, arena):
+    found = []
+    for kind in kinds:
+        begin, place = arena.room(kind)
+        place[:] = kind / 7
+        found.append(PlacedType(kind, 0, (-1, -1, -1), begin))
+    return found
 
 
-def matrices(types, row):
-    return types.matrices[types.offset[row] :][: types.size[row]]
+def matrices(types, row, count):
+    return types.matrices[types.offset[row] :][:count]
 
 
 def test_types_are_the_same_bytes_whatever_they_are_made_with():
@@ -23,17 +27,17 @@ def test_types_are_the_same_bytes_whatever_they_are_made_with():
     kinds = [Corner(order, 0, closed=True, dart=False, pinned=False) for order in orders]
     kinds += [Corner("TQQ", i, closed=False, dart=False, pinned=pinned) for i in range(3) for pinned in (False, True)]
     kinds += [Corner("QTTQ", i, closed=True, dart=True, pinned=False) for i in range(4)] + [Strip(3, 2)]
-    together = dict(zip(kinds, _types(kinds), strict=True))
-    for kind in reversed(kinds):
-        (alone,) = _types([kind])
-        assert alone[:3] == together[kind][:3]
-        np.testing.assert_array_equal(alone.matrices, together[kind].matrices)
-        assert MixedPatches().types([kind]).size[0] == alone.size
+    together = TypeStore(_types).types(kinds)
+    for row, kind in reversed(list(enumerate(kinds))):
+        alone = TypeStore(_types).types([kind])
+        for one, all_of_them in zip(alone[:3], together[:3], strict=True):
+            np.testing.assert_array_equal(one[0], all_of_them[row])
+        np.testing.assert_array_equal(alone.matrices, matrices(together, row, len(alone.matrices)))
 
 
 def test_a_store_makes_a_type_once_until_it_holds_too_much():
     calls = []
-    store = TypeStore(lambda kinds: calls.append(list(kinds)) or made(kinds), limit=20)
+    store = TypeStore(lambda kinds, arena: calls.append(list(kinds)) or made(kinds, arena), limit=20)
     first = store.types([5, 3, 5])
     second = store.types([3, 8])
     assert calls == [[5, 3], [8]]
@@ -41,7 +45,7 @@ def test_a_store_makes_a_type_once_until_it_holds_too_much():
     assert calls[2:] == [[9], [5, 9]]
     for types, kinds in ((first, [5, 3, 5]), (second, [3, 8]), (third, [5, 9])):
         for row, kind in enumerate(kinds):
-            np.testing.assert_array_equal(matrices(types, row), np.full(kind, kind / 7))
+            np.testing.assert_array_equal(matrices(types, row, kind), np.full(kind, kind / 7))
 
 
 def test_values_are_kept_up_to_their_number():

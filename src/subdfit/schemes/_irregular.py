@@ -16,7 +16,12 @@ def limit_mask(step: Matrix) -> Matrix:
 
 
 def towards_corner(
-    smaller: Matrix, polynomials: Matrix | list[Matrix], mask: Matrix, tangents: Matrix, slots: tuple[int, int]
+    smaller: Matrix,
+    polynomials: Matrix | list[Matrix],
+    mask: Matrix,
+    tangents: Matrix,
+    slots: tuple[int, int],
+    place: Matrix | None = None,
 ) -> Matrix:
     """All matrices of irregular types of one size, in the order that `PatchTable.matrices` documents.
 
@@ -30,6 +35,8 @@ def towards_corner(
         (..., n) and (..., 2, n), limit point and limit tangents at the corner.
     slots
         Which coefficients are those of u and v.
+    place
+        Where to write the result; None makes a new array.
 
     Returns
     -------
@@ -38,7 +45,8 @@ def towards_corner(
     """
     # Everything is transposed, as matrices are stored point by point.
     children = np.swapaxes(np.asarray(polynomials), -1, -2)
-    out = np.zeros((*mask.shape[:-1], 3 * LEVELS + 1, mask.shape[-1], STRIDE))
+    shape = (*mask.shape[:-1], 3 * LEVELS + 1, mask.shape[-1], STRIDE)
+    out = np.empty(shape) if place is None else place.reshape(shape)
     out[..., :3, :, :] = children
     # Powers of the deflated matrix keep the digits of coefficients that shrink level by level.
     deflated = np.ascontiguousarray(np.swapaxes(smaller - mask[..., None, :], -1, -2))
@@ -48,6 +56,7 @@ def towards_corner(
         np.matmul(power[..., None, :, :], children, out=block)
         block[..., 0] += mask[..., None, :]
         power = power @ deflated
+    out[..., -1, :, :] = 0.0
     out[..., -1, :, 0] = mask
     out[..., -1, :, list(slots)] = np.moveaxis(tangents, -2, 0)
     return out.reshape(*mask.shape[:-1], -1)

@@ -16,8 +16,8 @@ from subdfit.schemes._quad_triangle_patches import list_points, patch_size
 from subdfit.schemes._quad_triangle_rules import refine
 from subdfit.schemes._quad_triangle_sectors import edge_tangents, limit_mask
 from subdfit.schemes._quad_triangle_strips import STRIPS, exponents, part_numbers, relative, strips
-from subdfit.schemes._type_store import Types, TypeStore
-from subdfit.schemes.patch_table import LEVELS, PatchType, Strips
+from subdfit.schemes._type_store import Arena, PlacedType, Types, TypeStore
+from subdfit.schemes.patch_table import LEVELS, STRIDE, Strips
 from subdfit.schemes.scheme import Refinement
 
 Rows = NDArray[np.int64]
@@ -56,36 +56,38 @@ class MixedPatches:
         return _STORE.types(cast(list[Kind], kinds))
 
 
-def _types(kinds: list[Kind]) -> list[PatchType]:
+def _types(kinds: list[Kind], arena: Arena) -> list[PlacedType]:
     corners = [kind for kind in kinds if isinstance(kind, Corner)]
-    found = dict(zip(corners, _corner_types(corners), strict=True)) if corners else {}
-    return [found[kind] if isinstance(kind, Corner) else _smooth_type(kind) for kind in kinds]
+    found = dict(zip(corners, _corner_types(corners, arena), strict=True)) if corners else {}
+    return [found[kind] if isinstance(kind, Corner) else _smooth_type(kind, arena) for kind in kinds]
 
 
 _STORE = TypeStore(_types)
 
 
-def _smooth_type(kind: Regular | Strip) -> PatchType:
+def _smooth_type(kind: Regular | Strip, arena: Arena) -> PlacedType:
     """The type of a patch without an irregular corner."""
     if isinstance(kind, Regular):
         matrix, strip = polynomials(kind.size), -1
     else:
         matrix, strip = relative(np.eye(patch_size(kind))), STRIPS.index((kind, 0))
-    return PatchType(matrix.shape[1], 0, (strip, -1, -1), matrix.T.ravel())
+    begin, place = arena.room(matrix.size)
+    place[:] = matrix.T.ravel()
+    return PlacedType(matrix.shape[1], 0, (strip, -1, -1), begin)
 
 
-def _corner_types(kinds: list[Corner]) -> list[PatchType]:
+def _corner_types(kinds: list[Corner], arena: Arena) -> list[PlacedType]:
     """The types of irregular corners; those of one shape and size are made together."""
     found = parts(kinds)
     shapes = np.array([(kind.size, len(quarters[0].matrix)) for kind, quarters in zip(kinds, found, strict=True)])
-    out: dict[int, PatchType] = {}
+    out: dict[int, PlacedType] = {}
     for shape in np.unique(shapes.reshape(-1, 2), axis=0):
         alike = np.flatnonzero((shapes == shape).all(axis=1))
-        out |= zip(alike.tolist(), _alike([kinds[i] for i in alike], [found[i] for i in alike]), strict=True)
+        out |= zip(alike.tolist(), _alike([kinds[i] for i in alike], [found[i] for i in alike], arena), strict=True)
     return [out[i] for i in range(len(kinds))]
 
 
-def _alike(kinds: list[Corner], quarters: list[list[Part]]) -> list[PatchType]:
+def _alike(kinds: list[Corner], quarters: list[list[Part]], arena: Arena) -> list[PlacedType]:
     """The types of irregular corners of faces of one shape, whose patches have the same number of points."""
     chosen, powers = ((1, 3, 2) if kinds[0].size == 4 else (1, 2, 3)), exponents(kinds[0].size)
     numbers = [[part_numbers(own[i]) for i in chosen] for own in quarters]
@@ -95,14 +97,17 @@ def _alike(kinds: list[Corner], quarters: list[list[Part]]) -> list[PatchType]:
         limit, edges = limit_mask(kind.sector), edge_tangents(kind.sector)
         mask[i, : len(limit)] = limit
         tangents[i, :, : len(limit)] = edges[[kind.position, (kind.position + 1) % len(edges)]]
-    matrices = towards_corner(
+    each = (3 * LEVELS + 1) * smaller.shape[1] * STRIDE
+    begin, place = arena.room(len(kinds) * each)
+    towards_corner(
         smaller,
         np.array([[matrix for _, matrix in own] for own in numbers]),
         mask,
         tangents,
         (powers.index((1, 0)), powers.index((0, 1))),
+        place,
     )
     return [
-        PatchType(smaller.shape[1], LEVELS, (own[0][0], own[1][0], own[2][0]), block)
-        for own, block in zip(numbers, matrices, strict=True)
+        PlacedType(smaller.shape[1], LEVELS, (own[0][0], own[1][0], own[2][0]), begin + i * each)
+        for i, own in enumerate(numbers)
     ]

@@ -13,6 +13,15 @@ Kind = TypeVar("Kind", bound=Hashable)
 Value = TypeVar("Value")
 
 
+class PlacedType(NamedTuple):
+    """A type whose matrices begin at `offset` of an array; the others are attributes of `PatchType`."""
+
+    size: int
+    levels: int
+    strips: tuple[int, int, int]
+    offset: int
+
+
 class Types(NamedTuple):
     """Types of a table, see the attributes of `PatchTable` of the same names."""
 
@@ -25,17 +34,18 @@ class Types(NamedTuple):
     @classmethod
     def of(cls, types: Sequence[PatchType]) -> "Types":
         """Join types to a table of their own."""
-        offset = np.cumsum([0, *(len(one.matrices) for one in types)])[:-1]
-        return cls.placed(types, offset, np.concatenate([np.empty(0), *(one.matrices for one in types)]))
+        offset = np.cumsum([0, *(len(one.matrices) for one in types)])
+        placed = [PlacedType(*one[:3], int(begin)) for one, begin in zip(types, offset, strict=False)]
+        return cls.placed(placed, np.concatenate([np.empty(0), *(one.matrices for one in types)]))
 
     @classmethod
-    def placed(cls, types: Sequence[PatchType], offset: NDArray[np.int64], matrices: NDArray[np.float64]) -> "Types":
-        """Types whose matrices begin at offsets of an array."""
+    def placed(cls, types: Sequence[PlacedType], matrices: NDArray[np.float64]) -> "Types":
+        """Types in an array."""
         return cls(
             np.array([one.size for one in types], np.int32),
             np.array([one.levels for one in types], np.int32),
             np.array([one.strips for one in types], np.int8).reshape(-1, 3),
-            offset.astype(np.int64),
+            np.array([one.offset for one in types], np.int64),
             matrices,
         )
 
@@ -60,41 +70,52 @@ class Kept(Generic[Kind, Value]):
         return [found[kind] for kind in kinds]
 
 
+class Arena:
+    """An array that is filled from its beginning on; it moves if it must grow beyond its first capacity."""
+
+    def __init__(self, capacity: int) -> None:
+        # What is not used is never touched, and costs no memory.
+        self._array, self._used = np.empty(capacity), 0
+
+    @property
+    def filled(self) -> NDArray[np.float64]:
+        """What is filled."""
+        return self._array[: self._used]
+
+    def room(self, count: int) -> tuple[int, NDArray[np.float64]]:
+        """Where the next numbers begin, and the place to write them to before more room is asked for."""
+        begin, self._used = self._used, self._used + count
+        if self._used > len(self._array):
+            larger = np.empty(2 * self._used)
+            larger[:begin] = self._array[:begin]
+            self._array = larger
+        return begin, self._array[begin : self._used]
+
+
 class TypeStore(Generic[Kind]):
     """Types by kind, whose matrices lie in one array that tables share: a type may have half a megabyte of them.
 
-    The array grows at its end only. When it would hold more than `limit` numbers, a new one begins; tables keep theirs.
+    `make` makes types in an arena. When that would hold more than `limit` numbers, a new one begins; tables keep
+    theirs.
     """
 
-    def __init__(self, make: Callable[[list[Kind]], list[PatchType]], limit: int = 2**25) -> None:
+    def __init__(self, make: Callable[[list[Kind], Arena], list[PlacedType]], limit: int = 2**25) -> None:
         self._make, self._limit, self._lock = make, limit, Lock()
-        self._forget()
-
-    def _forget(self) -> None:
-        self._found: dict[Kind, tuple[PatchType, int]] = {}
-        self._matrices, self._used = np.empty(0), 0
+        self._found: dict[Kind, PlacedType] = {}
+        self._arena = Arena(0)
 
     def types(self, kinds: Sequence[Kind]) -> Types:
         """The types of kinds."""
         with self._lock:
-            self._learn([kind for kind in dict.fromkeys(kinds) if kind not in self._found])
-            if self._used > self._limit and len(self._found) > len(set(kinds)):
-                self._forget()
-                self._learn(list(dict.fromkeys(kinds)))
-            found = [self._found[kind] for kind in kinds]
-            offset = np.array([begin for _, begin in found], np.int64)
-            return Types.placed([one for one, _ in found], offset, self._matrices[: self._used])
+            wanted = list(dict.fromkeys(kinds))
+            self._learn([kind for kind in wanted if kind not in self._found])
+            if len(self._arena.filled) > self._limit and len(self._found) > len(wanted):
+                self._found = {}
+                self._learn(wanted)
+            return Types.placed([self._found[kind] for kind in kinds], self._arena.filled)
 
     def _learn(self, kinds: list[Kind]) -> None:
-        made = self._make(kinds) if kinds else []
-        self._reserve(sum(len(one.matrices) for one in made))
-        for kind, one in zip(kinds, made, strict=True):
-            begin, self._used = self._used, self._used + len(one.matrices)
-            self._matrices[begin : self._used] = one.matrices
-            self._found[kind] = one._replace(matrices=self._matrices[:0]), begin
-
-    def _reserve(self, more: int) -> None:
-        if self._used + more > len(self._matrices):
-            larger = np.empty(max(2 * len(self._matrices), self._used + more))
-            larger[: self._used] = self._matrices[: self._used]
-            self._matrices = larger
+        if not self._found:
+            self._arena = Arena(self._limit)
+        if kinds:
+            self._found |= zip(kinds, self._make(kinds, self._arena), strict=True)
