@@ -5,10 +5,12 @@ import pytest
 
 from subdfit.closest.curves import SurfaceCurves
 from subdfit.fit.auto import Auto
+from subdfit.fit.changes import cells_moved_by, changed_cells
 from subdfit.fit.data import FitData
 from subdfit.fit.reverse import CurveSamples, inner_samples, strays
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
+from subdfit.fit.strays import Strays
 from subdfit.limit import LimitSurface
 from subdfit.measure import Tolerance
 from subdfit.mesh.control_mesh import ControlMesh
@@ -116,3 +118,34 @@ def test_a_boundary_with_fewer_data_than_control_points_lies_on_the_targets() ->
         state = method.advance(state)
     assert before > 0.01
     assert wave(state) < 0.1 * before
+
+
+def test_a_part_that_moves_is_the_whole_that_moves(state: FitState) -> None:
+    """Points out of reach of what moves keep their footpoints; those of the part are found as all would be."""
+    lone = np.arange(state.surface.topology.vertex_count) == 20
+    cells = cells_moved_by(state.surface, lone)
+    some, rows = state.near(cells)
+    assert 0 < len(rows) < len(state.face)
+    points = state.surface.control_mesh.points.copy()
+    points[20] *= 1.02
+    whole, part = state.moved(points), state.followed(some.moved(points), rows)
+    np.testing.assert_allclose(part.distance, whole.distance, atol=1e-7)
+    outside = np.setdiff1d(np.arange(len(state.face)), rows)
+    np.testing.assert_array_equal(part.distance[outside], state.distance[outside])
+    assert part.boundary is not None
+    assert whole.boundary is not None
+    np.testing.assert_allclose(part.boundary.distance, whole.boundary.distance, atol=1e-9)
+
+
+def test_strays_are_carried_where_nothing_changed(state: FitState) -> None:
+    watch = Strays(1e-3)
+    before = watch.samples(state)
+    points = state.surface.control_mesh.points.copy()
+    points[20] *= 1.02
+    moved = state.moved(points)
+    carried, anew = watch.samples(moved), strays(moved.surface, state.data.target, 0.5e-3)
+    changed = changed_cells(state.surface, moved.surface)
+    assert np.array_equal(carried.face[~changed[carried.face]], before.face[~changed[before.face]])
+    worst = [np.abs(found.gaps(moved.surface)).max() for found in (carried, anew)]
+    assert worst[0] == pytest.approx(worst[1], rel=1e-12)
+    assert watch.worst(moved) == pytest.approx(worst[1] / 1e-3, rel=1e-12)

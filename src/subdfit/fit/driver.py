@@ -72,14 +72,20 @@ class _Run:
     best_iteration: int = 0
     first_within: tuple[int, int] | None = None
 
-    def record(self, stage: str, state: FitState) -> None:
-        """Note an iteration, keep the best state, tell the caller."""
+    def record(self, stage: str, state: FitState, fitter: Fitter) -> None:
+        """Note an iteration, keep the best state, tell the caller.
+
+        Of states within tolerance that one is best whose surface strays least between the data.
+        """
         errors = state.errors
         elapsed = time.perf_counter() - self.begun - (compile_clock.seconds - self.compiled)
         count = state.surface.topology.vertex_count
         row = Iteration(len(self.history), count, errors.max, errors.rms, errors.mean, elapsed)
         self.history.append(row)
         value = badness(state, self.settings.tolerance)
+        if within(state, self.settings.tolerance):
+            stray = fitter.stray(state)
+            value = stray / (1 + stray)
         if value < self.best_value:
             self.best, self.best_value, self.best_iteration = state, value, row.iteration
         logger.debug("%s %d: %d vertices, max %.3e, rms %.3e", stage, row.iteration, count, errors.max, errors.rms)
@@ -158,8 +164,9 @@ def fit_target(
     interrupted, measurement = False, None
     clock = time.perf_counter()
     try:
-        run.record("start", state)
-        state, measurement = _iterate(run, state)
+        fitter = METHODS[settings.method](settings)
+        run.record("start", state, fitter)
+        state, measurement = _iterate(run, state, fitter)
     except KeyboardInterrupt:
         if run.best is None:
             raise
@@ -168,20 +175,19 @@ def fit_target(
     return _result(run, state, measurement or _measured(run, state), interrupted, unit)
 
 
-def _iterate(run: _Run, state: FitState) -> tuple[FitState, Measurement | None]:
+def _iterate(run: _Run, state: FitState, fitter: Fitter) -> tuple[FitState, Measurement | None]:
     """Advance until a state is within tolerance by its measurement, or there is no hope; return the best."""
     settings = run.settings
-    fitter = METHODS[settings.method](settings)
     for _ in range(settings.max_iterations):
-        if within(state, settings.tolerance) and fitter.settled(state):
+        if within(state, settings.tolerance) and fitter.stray(state) <= 1:
             measurement = _measured(run, state)
             if measurement.meets(settings.tolerance):
                 return state, measurement
             state = run.excused(state.verified())
         if within(state, settings.tolerance) and run.spent_on_reverse(state, fitter.patience):
-            return state, None
+            break
         state = run.excused(fitter.advance(state))
-        run.record("fit", state)
+        run.record("fit", state, fitter)
         if len(run.history) - run.best_iteration > fitter.patience:
             break
     assert run.best is not None

@@ -19,6 +19,6 @@ class Fitter(Protocol):
         """One iteration: move the control points, adapting the control mesh first where that is due."""
         ...
 
-    def settled(self, state: FitState) -> bool:
-        """Whether a state within tolerance has nothing left to mend, such as a reverse side that strays."""
+    def stray(self, state: FitState) -> float:
+        """How far the surface of a state within tolerance lies off the target between the data, in tolerances."""
         ...

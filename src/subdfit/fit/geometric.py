@@ -48,9 +48,9 @@ class Geometric:
         points = start.surface.control_mesh.points + self.settings.over_relaxation * self.displacements(start)
         return self.recompute_footpoints(start, points)
 
-    def settled(self, state: FitState) -> bool:
+    def stray(self, state: FitState) -> float:
         """The paper knows no reverse side."""
-        return True
+        return 0.0
 
     def displacements(self, state: FitState) -> Floats:
         """Displacement of each control vertex, (n, 3): equations 3 and 4. Where the weights sum to zero it is zero."""

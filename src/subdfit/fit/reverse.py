@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.closest.curves import SurfaceCurves
+from subdfit.fit.places import Places
+from subdfit.fit.state import FitState
 from subdfit.limit.surface import LimitSurface
 from subdfit.limit.tessellate import grid_nodes, lattice
 from subdfit.measure import reverse_segments
@@ -15,6 +17,8 @@ from subdfit.target.target import Target
 
 Floats = NDArray[np.float64]
 
+SPARSE = 3
+"""Faces and sides of curves with fewer points than this are sampled."""
 TOUCHING = 1e-9
 """A sample this near its foot has no direction in which it is off."""
 
@@ -61,6 +65,10 @@ class Samples:
     def none(cls) -> "Samples":
         """No samples."""
         return cls(np.empty(0, np.int32), np.empty((0, 2)), np.empty((0, 3)), np.empty((0, 3)), np.empty(0))
+
+    def renewed(self, surface: LimitSurface, target: Target) -> "Samples":
+        """The same samples with their feet on a surface that has moved."""
+        return Samples.of(surface, target, self.face, self.uv)
 
     def __len__(self) -> int:
         """Number of samples."""
@@ -142,3 +150,21 @@ class CurveSamples:
         """From each sample across the curve to the target's, (k, 3)."""
         apart = self.foot - surface.evaluate(self.face, self.uv).position
         return np.asarray(apart - np.einsum("kd,kd->k", apart, self.along)[:, None] * self.along)
+
+
+def sparse_samples(state: FitState) -> Samples:
+    """Samples of faces with few data points: nothing else keeps them near the target."""
+    face = Places(state.surface).face
+    count = np.bincount(face[state.face], minlength=state.surface.topology.face_count)
+    return inner_samples(state.surface, state.data.target, np.flatnonzero(count[face] < SPARSE))
+
+
+def sparse_curve_samples(state: FitState, cells: NDArray[np.bool_]) -> list[CurveSamples]:
+    """Samples of those sides of the flagged cells, (c,), that lie on curves and have few data points."""
+    trees = (state.data.target.boundary_tree, state.data.target.crease_tree)
+    samples = []
+    for found, curves, tree in zip(state.held, state.curves, trees, strict=True):
+        if found is not None and curves is not None and tree is not None:
+            few = np.bincount(found.side, minlength=len(curves)) < SPARSE
+            samples.append(CurveSamples.of(curves, np.flatnonzero(few & cells[curves.cell]), tree))
+    return samples

@@ -99,10 +99,10 @@ def curve_rows(state: FitState, settings: TangentSettings) -> list[Rows]:
     return found
 
 
-def reverse_rows(state: FitState, settings: TangentSettings, samples: Samples, bound: float) -> Rows:
+def reverse_rows(state: FitState, settings: TangentSettings, samples: Samples, bound: float, insistence: float) -> Rows:
     """Rows that draw samples of the surface to what the target's faceting allows."""
     gaps = samples.gaps(state.surface)
-    metric = _direction_metric(samples.normal, pull(gaps, settings, bound), settings.tangential)
+    metric = _direction_metric(samples.normal, insistence * pull(gaps, settings, bound), settings.tangential)
     return Rows(*state.surface.patch_weights(samples.face, samples.uv), metric, gaps[:, None] * samples.normal)
 
 
@@ -149,7 +149,12 @@ def curve_weights(
 
 
 def merit(
-    state: FitState, samples: Samples, on_curves: list[CurveSamples], settings: TangentSettings, bound: float
+    state: FitState,
+    samples: Samples,
+    on_curves: list[CurveSamples],
+    settings: TangentSettings,
+    bound: float,
+    insistence: float,
 ) -> float:
     """The energy that decides whether a step is kept: weighted squares of all distances, footpoints being new."""
     inside = huber(np.maximum(state.excess[state.data.surface_rows], 0.0), settings.robust)
@@ -160,4 +165,4 @@ def merit(
     )
     between = sum(settings.curve_reverse * float(np.sum(found.gaps(state.surface) ** 2)) for found in on_curves)
     gaps = samples.gaps(state.surface)
-    return float(np.sum(inside) + curves + between + np.sum(pull(gaps, settings, bound) * gaps**2))
+    return float(np.sum(inside) + curves + between + insistence * np.sum(pull(gaps, settings, bound) * gaps**2))

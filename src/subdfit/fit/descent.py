@@ -1,0 +1,77 @@
+"""Damped steps that move the control points of a part of the surface until they gain little."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subdfit.fit.reverse import CurveSamples, Samples
+from subdfit.fit.state import FitState
+from subdfit.fit.tangent import TangentSettings, curve_reverse_rows, merit, reverse_rows, tangent_step
+
+DAMPING_RANGE = (1e-6, 1.0)
+"""Levenberg damping falls by 3 after a step that is kept and rises by 10 after one that is not, within this range."""
+GIVE = 1.05
+"""A step is kept if it raises the energy by no more than this factor: it also serves what is in no error, the shape of
+the control mesh. The driver keeps the best state."""
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """What takes part in some steps.
+
+    Attributes
+    ----------
+    state : the points that pull, on the whole surface.
+    samples, curves : what is drawn to the target between the points.
+    free : (n,) bool, the control vertices that may move.
+    steps : most steps.
+    gain : the steps end when one leaves more than this share of the energy.
+    """
+
+    state: FitState
+    samples: Samples
+    curves: list[CurveSamples]
+    free: NDArray[np.bool_]
+    steps: int
+    gain: float
+
+
+class Descent:
+    """Steps whose damping is carried from part to part.
+
+    Parameters
+    ----------
+    weights
+        Of the terms of the energy.
+    bound
+        The error that matters, as a share of the diagonal.
+    """
+
+    def __init__(self, weights: TangentSettings, bound: float) -> None:
+        self.weights = weights
+        self.bound = bound
+        self.damping = weights.damping
+
+    def moved(self, part: Part, insistence: float = 1.0) -> FitState:
+        """The part's state after steps, each kept if it lowers the energy with new footpoints on both sides.
+
+        `insistence` is a factor on the weight of the samples.
+        """
+        state, samples, curves = part.state, part.samples, part.curves
+        energy = merit(state, samples, curves, self.weights, self.bound, insistence)
+        for _ in range(part.steps):
+            pulled = [reverse_rows(state, self.weights, samples, self.bound, insistence)]
+            pulled += [curve_reverse_rows(state, self.weights, found) for found in curves]
+            moved = state.moved(tangent_step(state, self.weights, self.damping, pulled, part.free))
+            fresh = samples.renewed(moved.surface, state.data.target)
+            left = merit(moved, fresh, curves, self.weights, self.bound, insistence)
+            if left > GIVE * energy:
+                self.damping = min(self.damping * 10, DAMPING_RANGE[1])
+                continue
+            self.damping = max(self.damping / 3, DAMPING_RANGE[0])
+            gain = left / energy
+            state, samples, energy = moved, fresh, left
+            if gain > part.gain:
+                break
+        return state
