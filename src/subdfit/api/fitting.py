@@ -12,6 +12,7 @@ from subdfit.api.workers import workers
 from subdfit.compiled import compile_clock
 from subdfit.errors import InputError
 from subdfit.fit import METHODS, FitSettings, Progress, fit_target
+from subdfit.fit.lavoue import require_lavoue
 from subdfit.measure import Tolerance
 from subdfit.schemes import scheme_named
 
@@ -59,12 +60,13 @@ def fit(
     scheme
         Subdivision scheme.
     method
-        ``auto`` (tangent distances, the best) or ``geometric`` (Nishiyama et al. 2008).
+        ``auto`` (tangent distances, the best), ``geometric`` (Nishiyama et al. 2008) or ``lavoue`` (Lavoué et al. 2007:
+        for machined parts, whose faces and edges make the control mesh; schemes quad-triangle and catmull-clark).
     max_error, rms_error, mean_error
         Tolerances, all of which must hold: a number is a length in the target's unit, a string such as ``"0.05%"`` a
         share of its diagonal. Where none is given, `max_error` is 0.1 %.
     control_vertices
-        Vertices to start from; None chooses from the tolerance.
+        Vertices to start from; None chooses from the tolerance. Not for ``lavoue``.
     max_control_vertices
         Budget, at which the best is returned; None is unbounded.
     creases
@@ -178,6 +180,8 @@ def _check(
     scheme_named(scheme)
     if method not in METHODS:
         raise InputError(f"unknown method '{method}'; choose one of {', '.join(METHODS)}")
+    if method == "lavoue":
+        require_lavoue(scheme, control_vertices)
     if boundary not in ("fit", "fixed"):
         raise InputError(f"boundary is '{boundary}'; choose fit or fixed")
     check_count(control_vertices, "control_vertices", 4)

@@ -17,6 +17,7 @@ EXIT = {"within_tolerance": 0, "best_effort": 1, "interrupted": 130}
 _EXAMPLES = """examples:
   subdfit fit bunny.ply -o cage.obj
   subdfit fit part.stl -o cage.obj -o surface.glb --max-error 0.02 --unit mm --creases 30 --picture part.png
+  subdfit fit part.stl -o cage.obj --scheme quad-triangle --method lavoue
 """
 
 
@@ -61,7 +62,8 @@ def _add_method(parser: argparse.ArgumentParser) -> None:
         "--method",
         choices=options.METHODS,
         default="auto",
-        help="auto: tangent distances, the best (default); geometric: Nishiyama, Morioka and Maekawa 2008",
+        help="auto: tangent distances, the best (default); geometric: Nishiyama, Morioka and Maekawa 2008; lavoue: "
+        "Lavoué, Dupont and Baskurt 2007, from the faces and edges of a part (schemes quad-triangle, catmull-clark)",
     )
     group.add_argument("--control-vertices", metavar="N", type=int, help="vertices to start from (default: chosen)")
     group.add_argument("--max-control-vertices", metavar="N", type=int, help="stop at so many, with the best so far")

@@ -14,6 +14,7 @@ from subdfit.fit.auto import Auto
 from subdfit.fit.data import FitData
 from subdfit.fit.fitter import Fitter
 from subdfit.fit.geometric import Geometric
+from subdfit.fit.lavoue import Lavoue, lavoue_start
 from subdfit.fit.result import FitResult, Iteration, Status
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
@@ -28,7 +29,7 @@ from subdfit.target.target import Target
 
 logger = logging.getLogger(__name__)
 
-METHODS: dict[str, Callable[[FitSettings], Fitter]] = {"auto": Auto, "geometric": Geometric}
+METHODS: dict[str, Callable[[FitSettings], Fitter]] = {"auto": Auto, "geometric": Geometric, "lavoue": Lavoue}
 
 REVERSE_GROWTH = 1.3
 """Factor of control vertices spent on the reverse side after the data's side is within tolerance."""
@@ -152,11 +153,8 @@ def fit_target(
     settings = replace(settings, max_control_vertices=settings.max_control_vertices or len(target.used))
     run = _Run(target, settings, Frame.of(target.points[target.used]), progress)
     clock = time.perf_counter()
-    scheme = scheme_named(settings.scheme)
-    inside = target.normalised(run.frame)
+    inside, mesh = _started(target.normalised(run.frame), settings)
     data = FitData.of(inside, settings.sample_spacing)
-    scale = settings.tolerance.max or error_that_matters(settings.tolerance)
-    mesh = start_mesh(inside, settings.control_vertices, scale, settings.max_control_vertices, scheme.faces)
     run.timed("start", clock)
     clock = time.perf_counter()
     state = run.excused(FitState.start(data, LimitSurface(mesh, settings.scheme)))
@@ -192,6 +190,15 @@ def _iterate(run: _Run, state: FitState, fitter: Fitter) -> tuple[FitState, Meas
             break
     assert run.best is not None
     return run.best, None
+
+
+def _started(target: Target, settings: FitSettings) -> tuple[Target, ControlMesh]:
+    """The target as its method sees it, and the first control mesh."""
+    if settings.method == "lavoue":
+        return lavoue_start(target, settings)
+    scale = settings.tolerance.max or error_that_matters(settings.tolerance)
+    budget, faces = settings.max_control_vertices, scheme_named(settings.scheme).faces
+    return target, start_mesh(target, settings.control_vertices, scale, budget, faces)
 
 
 def _measured(run: _Run, state: FitState) -> Measurement:

@@ -12,7 +12,7 @@ class FitSettings:
     Attributes
     ----------
     scheme : subdivision scheme by name.
-    method : fitter by name, ``auto`` or ``geometric``.
+    method : fitter by name, ``auto``, ``geometric`` or ``lavoue``.
     tolerance : what must hold.
     control_vertices : vertices of the first control mesh; None chooses from the tolerance.
     max_control_vertices : budget; None is unbounded.

@@ -1,0 +1,99 @@
+"""The method ``lavoue``: a part's own faces and edges make the control mesh (Lavoué, Dupont and Baskurt 2007).
+
+The paper fits every patch of a segmented part by itself, boundaries held, and joins them. Here patches share their
+curves from the start (`lavoue_whole`), and are optimised together, so that curves move as well: rounds of the steps of
+`auto`, in which points on creases are tied to crease curves, and enrichment when these have settled too far off.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subdfit.errors import InputError
+from subdfit.fit.auto import Auto
+from subdfit.fit.faults import Faults
+from subdfit.fit.lavoue_whole import cut_part, whole_start
+from subdfit.fit.reverse import Samples
+from subdfit.fit.settings import FitSettings
+from subdfit.fit.state import FitState
+from subdfit.fit.stop import badness
+from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.target.target import Target
+
+Rows = NDArray[np.int64]
+
+SCHEMES = ("quad-triangle", "catmull-clark")
+"""Schemes whose control meshes may have quads and triangles."""
+CURVES = {"max": 0.5, "rms": 2.5, "mean": 5.0}
+"""The first curves lie within so many times what is asked of the largest, the rms and the mean error."""
+ROUNDS = 5
+"""Rounds of optimisation, at most, before the control mesh is enriched: m0 in the paper's section 6."""
+GAIN = 0.95
+"""A round that leaves more than this share of the error is the last before that."""
+SIGNIFICANT = 0.5
+"""Share of the largest error from which a face belongs to an error field (section 5.2)."""
+DAMPING = 1e-2
+"""Least damping at the beginning of a round: large faces leave directions in which little holds their vertices."""
+
+
+class Lavoue(Auto):
+    """Rounds of optimisation of all patches together, and enrichment once they have settled too far off."""
+
+    def __init__(self, settings: FitSettings) -> None:
+        super().__init__(settings)
+        self._rounds, self._before = 0, np.inf
+
+    def advance(self, state: FitState) -> FitState:
+        """One round of steps, the control mesh enriched first where that is due."""
+        self._descent.damping = max(self._descent.damping, DAMPING)
+        return super().advance(state)
+
+    def _moved_everywhere(self, state: FitState, strays: Samples, final: bool) -> FitState:
+        """By all points: few of them would leave large faces free to swing between."""
+        return super()._moved_everywhere(state, strays, True)
+
+    def adapt(self, state: FitState) -> tuple[FitState, NDArray[np.bool_] | None]:
+        """Enrich unless the rounds still gain; then all control vertices move."""
+        error = badness(state, self.settings.tolerance)
+        self._rounds += 1
+        if self._rounds < ROUNDS and error < GAIN * self._before:
+            self._before = error
+            return state, None
+        self._rounds, self._before = 0, np.inf
+        return super().adapt(state)
+
+    def _bad_faces(self, state: FitState) -> Rows:
+        """The faces of error fields only: others may do once these are mended."""
+        faces = super()._bad_faces(state)
+        worst = Faults.of(state).maximum[faces]
+        return np.asarray(faces[worst >= SIGNIFICANT * worst.max(initial=0.0)])
+
+
+def require_lavoue(scheme: str, control_vertices: int | None) -> None:
+    """Raise InputError for settings that the method ``lavoue`` cannot follow."""
+    if scheme not in SCHEMES:
+        raise InputError(f"the method lavoue joins quads and triangles; choose the scheme {' or '.join(SCHEMES)}")
+    if control_vertices is not None:
+        raise InputError("the method lavoue takes its first control vertices from the part's edges; give no number")
+
+
+def lavoue_start(target: Target, settings: FitSettings) -> tuple[Target, ControlMesh]:
+    """The target with those creases that are curves of the control mesh, and the first control mesh.
+
+    Raises
+    ------
+    InputError
+        The target is a cloud, or the settings do not suit the method, or the part needs more vertices than it may have.
+    """
+    require_lavoue(settings.scheme, settings.control_vertices)
+    if target.cloud:
+        raise InputError("the method lavoue takes the faces of a mesh; reconstruct one from the points first")
+    part = cut_part(target)
+    asked = {key: getattr(settings.tolerance, key) for key in CURVES}
+    bound = min(CURVES[key] * value for key, value in asked.items() if value)
+    mesh = replace(whole_start(part, bound), scheme=settings.scheme)
+    count, most = mesh.topology.vertex_count, settings.max_control_vertices
+    if most is not None and count > most:
+        raise InputError(f"the part's faces and edges take {count} control vertices; allow so many, or a larger error")
+    return replace(target, crease_edges=part.target.crease_edges), mesh

@@ -1,0 +1,117 @@
+"""Whole parts by the method lavoue: watertight control meshes, their sharp edges, errors."""
+
+import numpy as np
+import pytest
+import trimesh
+
+import subdfit
+from shapes.drilled import distance_from_edges, drilled_block
+from subdfit.errors import InputError
+from subdfit.fit.lavoue import lavoue_start
+from subdfit.fit.settings import FitSettings
+from subdfit.limit.surface import LimitSurface
+from subdfit.target.target import cloud_target
+
+
+def euler(topology):
+    return topology.vertex_count - topology.edge_count + topology.face_count
+
+
+def lavoue(mesh, **options):
+    return subdfit.fit(mesh, scheme="quad-triangle", method="lavoue", **options)
+
+
+@pytest.fixture(scope="module")
+def drilled():
+    return drilled_block(0.125)
+
+
+@pytest.fixture(scope="module")
+def fitted(drilled):
+    return lavoue(drilled, max_error="0.5%")
+
+
+def test_the_block_is_watertight_and_certified(fitted):
+    topology = fitted.control_mesh.topology
+    assert fitted.certified
+    assert len(topology.edge_vertices[topology.boundary_edges]) == 0
+    assert euler(topology) == 0
+    assert fitted.measurement.max <= 5e-3
+    assert fitted.measurement.reverse_excess <= 5e-3
+    assert topology.vertex_count <= 24  # eight corners, and rings of four to eight about the hole
+    assert fitted.history[0].control_vertices <= topology.vertex_count
+
+
+def test_its_sharp_control_edges_are_its_edges(fitted):
+    """All limit curves of sharp control edges lie on the block's edges, and these on them."""
+    surface = LimitSurface(fitted.control_mesh, "quad-triangle")
+    topology, domain = surface.topology, surface.domain
+    assert np.all(np.isinf(topology.sharpness[topology.crease_edges]))
+    limits = surface.vertex_limits()[np.unique(topology.edge_vertices[topology.crease_edges])]
+    assert distance_from_edges(limits).max() < 5e-3 * fitted.measurement.diagonal
+    cells, sides = np.nonzero(domain.sharp)
+    for t in (0.25, 0.5, 0.75):
+        uv = domain.along(cells, sides, np.full(len(cells), t))
+        there = surface.evaluate(cells, uv).position
+        assert distance_from_edges(there).max() < 5e-3 * fitted.measurement.diagonal
+    assert fitted.measurement.crease.max <= 5e-3
+
+
+def test_the_result_does_not_depend_on_the_run_or_on_threads(drilled, fitted):
+    again = lavoue(drilled, max_error="0.5%", threads=1)
+    np.testing.assert_array_equal(again.control_mesh.points, fitted.control_mesh.points)
+    np.testing.assert_array_equal(again.control_mesh.topology.face_vertices, fitted.control_mesh.topology.face_vertices)
+
+
+def test_a_torus_is_fitted_without_creases():
+    shape = trimesh.creation.torus(1.0, 0.4, 48, 24)
+    result = lavoue((np.asarray(shape.vertices), np.asarray(shape.faces)), max_error="1%")
+    assert result.certified
+    assert euler(result.control_mesh.topology) == 0
+    assert len(result.control_mesh.to_data().crease_edges) == 0
+
+
+def test_open_parts_keep_their_boundary(meshes):
+    result = lavoue(meshes / "cylinder.ply", max_error="1%")
+    topology = result.control_mesh.topology
+    assert result.certified
+    assert euler(topology) == 1
+    assert topology.vertex_count <= 12
+    assert result.measurement.boundary.max <= 0.01
+
+
+def test_catmull_clark_takes_the_same_start(drilled):
+    result = subdfit.fit(drilled, scheme="catmull-clark", method="lavoue", max_error="1%")
+    assert result.certified
+    assert euler(result.control_mesh.topology) == 0
+
+
+def test_fandisk_has_fewer_vertices_than_the_paper(meshes):
+    """Table 2: 75 control vertices and 89 faces at a mean of .78e-3 and a mean square of 1.2e-5 of the cube's side."""
+    result = lavoue(meshes / "fandisk.ply", mean_error="0.0537%")
+    m = result.measurement
+    side = np.ptp(subdfit.read(meshes / "fandisk.ply").points, axis=0).max()
+    assert result.status == "within_tolerance"
+    assert m.mean * m.diagonal <= 0.78e-3 * side
+    assert (m.rms * m.diagonal) ** 2 <= 1.2e-5 * side**2
+    assert euler(result.control_mesh.topology) == 2
+
+
+@pytest.mark.parametrize(
+    ("options", "what"),
+    [
+        ({"scheme": "loop"}, "choose the scheme quad-triangle or catmull-clark"),
+        ({"control_vertices": 100}, "give no number"),
+        ({"max_control_vertices": 10, "max_error": "0.1%"}, "control vertices; allow so many"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_one_line(drilled, options, what):
+    with pytest.raises(InputError, match=what) as caught:
+        subdfit.fit(drilled, method="lavoue", **{"scheme": "quad-triangle", **options})
+    assert "\n" not in str(caught.value)
+
+
+def test_clouds_are_refused(drilled):
+    target = cloud_target(*drilled)
+    with pytest.raises(InputError, match="takes the faces of a mesh"):
+        lavoue_start(target, FitSettings(scheme="quad-triangle", method="lavoue"))
