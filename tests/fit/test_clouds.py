@@ -56,22 +56,22 @@ def test_outliers_are_left_out_and_listed():
 
 def test_components_are_those_of_the_surface_through_the_points(caplog):
     """Two balls, a stray point near each, one row repeated: what is nearer to the smaller one is as if it were not."""
-    large, small = random_sphere(3000), 0.4 * random_sphere(600, seed=1) + [3, 0, 0]
+    large, small = random_sphere(1500), 0.4 * random_sphere(300, seed=1) + [3, 0, 0]
     points = np.concatenate([small, [[3.6, 0, 0]], large, [[1.2, 0, 0]], large[:1], small[:1]])
     with caplog.at_level("INFO"):
-        result = subdfit.fit(points, max_error="0.2%", keep_components=1)
-    ours = np.r_[601:3603]
+        result = subdfit.fit(points, max_error="0.5%", keep_components=1)
+    ours = np.r_[301:1803]
     assert result.certified
     np.testing.assert_array_equal(result.target.used, ours)
     assert len(result.distances) == len(ours)
-    assert result.to_dict()["excluded_rows"] == [3601]
-    assert any("kept 1 of 2 components, left 600 points out" in message for message in caplog.messages)
-    alone = subdfit.fit(points[ours], max_error="0.2%")
+    assert result.to_dict()["excluded_rows"] == [1801]
+    assert any("kept 1 of 2 components, left 300 points out" in message for message in caplog.messages)
+    alone = subdfit.fit(points[ours], max_error="0.5%")
     np.testing.assert_allclose(alone.distances, result.distances, atol=1e-12)
     found = subdfit.measure(result.control_mesh, points, keep_components=1)
     np.testing.assert_allclose(found.footpoints.distance, result.measurement.footpoints.distance, atol=1e-9)
     mesh = subdfit.reconstruct(points, keep_components=1)
-    np.testing.assert_array_equal(mesh.left_out, np.r_[0:601, 3601])
+    np.testing.assert_array_equal(mesh.left_out, np.r_[0:301, 1801])
 
 
 def test_nothing_is_left_out_where_that_is_not_allowed():

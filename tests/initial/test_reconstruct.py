@@ -185,7 +185,7 @@ def test_facets_do_not_depend_on_slabs(monkeypatch, name):
     points = ascending(CLOUDS[name][0])
     largest = 2 * spacing(points)
     whole = small_facets(points, largest)
-    monkeypatch.setattr("subdfit.initial.delaunay.LEAST_SLAB", 50)
+    monkeypatch.setattr("subdfit.initial.delaunay.LEAST_SLAB", 400)
     monkeypatch.setattr("subdfit.initial.delaunay.MOST_OVERLAP", np.inf)
     parts = small_facets(points, largest)
     order = [np.lexsort(facets.corners.T[::-1]) for facets in (whole, parts)]
