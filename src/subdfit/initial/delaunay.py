@@ -1,6 +1,7 @@
 """Facets of the Delaunay tetrahedralisation of a cloud, with the smallest empty sphere of each."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,7 @@ NEIGHBOURS = 6
 LEAST_SLAB = 1 << 14
 """Points that are worth a slab of their own."""
 
-MOST_OVERLAP = 0.2
+MOST_OVERLAP = 0.25
 """Share of the points up to which slabs may overlap."""
 
 
@@ -46,10 +47,10 @@ class Facets:
 def small_facets(points: Floats, largest: Floats) -> Facets:
     """Find the Delaunay facets of points in the normalised frame, (n, 3), ascending by x and no two the same.
 
-    A sphere of a facet may be as large as `largest`, (n,), at one of its corners. So facets depend on nothing farther
-    off than twice the largest radius: each is found in a slab of points that reaches so far beyond its first corner.
+    A sphere of a facet may be as large as `largest`, (n,), at one of its corners. So a facet depends on nothing farther
+    off than twice that radius: it is found in a slab of points that reaches so far beyond its first corner.
     """
-    slabs = _slabs(points[:, 0], 2 * float(largest.max()))
+    slabs = _slabs(points[:, 0], 2 * largest)
 
     def found_in(slab: int, _: int) -> tuple[NDArray[np.int32], Floats]:
         low, begin, end, high = slabs[slab]
@@ -65,19 +66,26 @@ def small_facets(points: Floats, largest: Floats) -> Facets:
     return Facets(points, corners, radii, offsets, at)
 
 
-def _slabs(x: Floats, reach: float) -> NDArray[np.int64]:
-    """Rows low, begin, end, high of slabs (s, 4) of points at ascending x.
+def _slabs(x: Floats, reach: Floats) -> list[tuple[int, int, int, int]]:
+    """Rows low, begin, end, high of slabs of points at ascending x.
 
-    Points begin..end - 1 are in one slab only, low..high - 1 are what is within reach of them. There are as many slabs
-    as can be without much overlap.
+    Points begin..end - 1 are in one slab only; low..high - 1 are those within reach of them, by the largest `reach`,
+    (n,), of the points that they are within reach of. There are as many slabs as can be without much overlap.
     """
-    for count in range(len(x) // LEAST_SLAB, 1, -1):
-        bounds = np.arange(count + 1) * len(x) // count
-        begin, end = bounds[:-1], bounds[1:]
-        low, high = np.searchsorted(x, x[begin] - reach), np.searchsorted(x, x[end - 1] + reach, "right")
-        if np.sum(high - low) <= (1 + MOST_OVERLAP) * len(x):
-            return np.stack([low, begin, end, high], axis=1)
-    return np.array([[0, 0, len(x), len(x)]])
+    best = [(0, 0, len(x), len(x))]
+    for count in range(2, len(x) // LEAST_SLAB + 1):
+        bounds = (np.arange(count + 1) * len(x) // count).tolist()
+        slabs = [_slab(x, reach, begin, end) for begin, end in pairwise(bounds)]
+        if sum(high - low for low, _, _, high in slabs) > (1 + MOST_OVERLAP) * len(x):
+            break
+        best = slabs
+    return best
+
+
+def _slab(x: Floats, reach: Floats, begin: int, end: int) -> tuple[int, int, int, int]:
+    first, last = x[begin], x[end - 1]
+    most = reach[(x + reach >= first) & (x - reach <= last)].max()
+    return int(np.searchsorted(x, first - most)), begin, end, int(np.searchsorted(x, last + most, "right"))
 
 
 def _facets_of(points: Floats, largest: Floats, begin: int, end: int) -> tuple[NDArray[np.int32], Floats]:
