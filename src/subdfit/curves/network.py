@@ -63,46 +63,44 @@ def fit_network(points: Floats, arcs: Sequence[Arc], tolerance: float) -> Contro
     """
     ends = [arc.vertices[[0, -1]] for arc in arcs if not arc.closed]
     nodes = np.unique(np.concatenate([np.empty(0, np.int64), *ends]))
-    row = {vertex: k for k, vertex in enumerate(nodes.tolist())}
-    positions, limits = [points[nodes]], [points[nodes]]
-    chains, places = [], []
+    positions, limits, chains, places = [points[nodes]], [points[nodes]], [], []
     joined: set[tuple[int, int]] = set()
     count = len(nodes)
     for arc in arcs:
-        target = Polyline(points[arc.vertices], arc.closed)
-        bound = tolerance if arc.exact else max(tolerance, float(np.median(target.lengths)))
-        tips = [] if arc.closed else [row[int(v)] for v in arc.vertices[[0, -1]]]
-        pair = (min(tips, default=0), max(tips, default=0))
-        curve = _at_least(target, _fit(target, bound), _fewest(arc.closed, pair, joined))
-        curve, shares = _placed(target, curve)
+        tips = np.searchsorted(nodes, arc.vertices[[0, -1]]) if not arc.closed else np.empty(0, np.int64)
+        curve, shares = _fit(points, arc, tolerance, _fewest(tips, joined))
         inner = slice(None) if arc.closed else slice(1, -1)
         fresh = count + np.arange(len(curve.points[inner]))
         count += len(fresh)
-        chains.append(fresh if arc.closed else np.array([tips[0], *fresh, tips[1]], np.int64))
-        if not arc.closed and len(chains[-1]) == 2:
-            joined.add(pair)
+        chains.append(np.concatenate([tips[:1], fresh, tips[1:]]))
+        if len(chains[-1]) == 2:
+            joined.add(_pair(tips))
         positions.append(curve.points[inner])
         limits.append(curve.limit_points()[inner])
         places.append(shares)
     return ControlNetwork(np.concatenate(positions), np.concatenate(limits), tuple(chains), tuple(places), nodes)
 
 
-def _fit(target: Polyline, tolerance: float) -> SubdivisionCurve:
+def _fit(points: Floats, arc: Arc, tolerance: float, fewest: int) -> tuple[SubdivisionCurve, Floats]:
+    """The curve of an arc, and where its control points' limits lie along the arc."""
+    target = Polyline(points[arc.vertices], arc.closed)
+    bound = tolerance if arc.exact else max(tolerance, float(np.median(target.lengths)))
     most = max(len(target.points) // _EDGES, 4)
-    return fit_curve(target, tolerance, most=most, quick=True).curve
+    curve = fit_curve(target, bound, most=most, quick=True).curve
+    return _placed(target, curve if len(curve.points) >= fewest else fit_with(target, fewest).curve)
 
 
-def _fewest(closed: bool, ends: tuple[int, int], joined: set[tuple[int, int]]) -> int:
-    """Control points that an arc needs so that no two control edges join the same points."""
-    if closed:
+def _fewest(tips: Indices, joined: set[tuple[int, int]]) -> int:
+    """Control points that an arc between two nodes needs so that no two control edges join the same points."""
+    if len(tips) == 0:
         return _FEWEST_CLOSED
-    if ends[0] == ends[1]:
+    if tips[0] == tips[1]:
         return _FEWEST_ROUND + 1
-    return 3 if ends in joined else 2
+    return 3 if _pair(tips) in joined else 2
 
 
-def _at_least(target: Polyline, curve: SubdivisionCurve, fewest: int) -> SubdivisionCurve:
-    return curve if len(curve.points) >= fewest else fit_with(target, fewest).curve
+def _pair(tips: Indices) -> tuple[int, int]:
+    return int(tips.min()), int(tips.max())
 
 
 def _placed(target: Polyline, curve: SubdivisionCurve) -> tuple[SubdivisionCurve, Floats]:

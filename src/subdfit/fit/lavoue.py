@@ -25,7 +25,7 @@ Rows = NDArray[np.int64]
 
 SCHEMES = ("quad-triangle", "catmull-clark")
 """Schemes whose control meshes may have quads and triangles."""
-CURVES = {"max": 0.5, "rms": 2.5, "mean": 5.0}
+CURVES = {"max": 0.5, "rms": 4.0, "mean": 7.5}
 """The first curves lie within so many times what is asked of the largest, the rms and the mean error."""
 ROUNDS = 5
 """Rounds of optimisation, at most, before the control mesh is enriched: m0 in the paper's section 6."""
