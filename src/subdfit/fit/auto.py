@@ -35,7 +35,7 @@ lies near moves."""
 LAST = 2
 """So few polygons are cut on all sides as well: one cut may go the wrong way."""
 LATE_DAMPING = 1e-2
-"""Least damping after a late split, which has few points to hold it."""
+"""First damping of such a round: each is about another place, and a late split has few points to hold it."""
 REACH = 2
 """Rings of control vertices round the faults that move with them when faults are few."""
 NEARLY = 1.5
@@ -49,7 +49,7 @@ Flags = NDArray[np.bool_]
 class Auto:
     """Rounds of a few damped tangent-distance steps, the control mesh adapted before each but the first."""
 
-    patience = 12
+    patience = 24
 
     def __init__(self, settings: FitSettings, weights: TangentSettings | None = None) -> None:
         self.settings = settings
@@ -93,12 +93,11 @@ class Auto:
             near = ring(topology, near)
         cells = cells_moved_by(state.surface, near)
         some, rows = state.near(cells)
-        if self.stray(state) > 1:
-            self._strays.insist()
         samples = strays_in(state.surface, state.data.target, -np.inf, cells)
         curves = sparse_curve_samples(state, cells)
         part = Part(some, samples, curves, self._free(near, state), LATE_STEPS, LATE_GAIN)
-        return state.followed(self._descent.moved(part, self._strays.insistence), rows)
+        self._descent.damping = LATE_DAMPING
+        return state.followed(self._descent.moved(part, self._strays.insist(state)), rows)
 
     def _free(self, vertices: Flags, state: FitState) -> Flags:
         """Those of the flagged control vertices that may move."""
@@ -141,8 +140,6 @@ class Auto:
         budget = self.settings.max_control_vertices
         if budget is not None and finer.surface.topology.vertex_count > budget:
             return state
-        if few:
-            self._descent.damping = max(self._descent.damping, LATE_DAMPING)
         return finer
 
     def _focus(self, state: FitState, finer: FitState, faces: NDArray[np.int64], marks: Flags) -> Flags | None:

@@ -9,7 +9,7 @@ from subdfit.fit.reverse import CurveSamples, Samples
 from subdfit.fit.state import FitState
 from subdfit.fit.tangent import TangentSettings, curve_reverse_rows, merit, reverse_rows, tangent_step
 
-DAMPING_RANGE = (1e-6, 1.0)
+DAMPING_RANGE = (1e-6, 1e3)
 """Levenberg damping falls by 3 after a step that is kept and rises by 10 after one that is not, within this range."""
 GIVE = 1.05
 """A step is kept if it raises the energy by no more than this factor: it also serves what is in no error, the shape of

@@ -15,8 +15,8 @@ Faces = NDArray[np.int64]
 FEW, FEWEST = 0.01, 10
 """As many faces, as a share and at least, are cut at once because the surface strays there: the farthest first."""
 INSISTENCE = 2.0
-MOST_INSISTENCE = 100.0
-"""Strays that are left after a round are drawn by so many times the weight in the next, up to the second number."""
+MOST_INSISTENCE = 1e4
+"""Strays that are left are drawn by so many times the weight of the round before, up to the second number."""
 
 
 class Strays:
@@ -26,15 +26,11 @@ class Strays:
     ----------
     bound
         How far samples of the surface may lie off the target, as a share of the diagonal; None asks nothing.
-
-    Attributes
-    ----------
-    insistence : factor on the weight of samples.
     """
 
     def __init__(self, bound: float | None) -> None:
         self.bound = bound
-        self.insistence = 1.0
+        self._insistence = 1.0
         self._seen: tuple[LimitSurface, Samples] | None = None
         self._carried = False
         self._cut = 0
@@ -73,9 +69,14 @@ class Strays:
         order = np.argsort(-gap, kind="stable")
         return order[gap[order] > 0.9 * (self.bound or np.inf)]
 
-    def insist(self) -> None:
-        """Draw harder from now on."""
-        self.insistence = min(INSISTENCE * self.insistence, MOST_INSISTENCE)
+    def insist(self, state: FitState) -> float:
+        """Weight with which to draw samples now: more each time that some stray; after the most all begins anew."""
+        straying = self.worst(state) > 1
+        if straying and self._insistence < MOST_INSISTENCE:
+            self._insistence *= INSISTENCE
+        else:
+            self._insistence, self._cutting_helps = 1.0, True
+        return self._insistence
 
     def to_cut(self, state: FitState, faces: Faces) -> Faces:
         """Those of the straying faces to cut now; none any more once cutting left more of them than there were.

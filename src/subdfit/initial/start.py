@@ -13,11 +13,17 @@ from subdfit.schemes.scheme import Faces
 from subdfit.target.bvh import TriangleTree
 from subdfit.target.target import Target
 
+Floats = NDArray[np.float64]
+Rows = NDArray[np.int64]
+
 logger = logging.getLogger(__name__)
 
-LEAST_SHARE, MOST_SHARE = 0.01, 0.05
-"""The first control mesh has 1 to 5 % of the points (Nishiyama et al. 2008, section 3)."""
-COARSEST = 10.0
+SHARE = 0.05
+"""The first control mesh has at most 5 % of the points (Nishiyama et al. 2008, section 3, takes 1 to 5 %)."""
+LEAST_SHARE = 0.002
+"""And at least this share: how many are needed depends on the shape, not on how densely it was scanned."""
+COARSE, COARSEST = 2.0, 10.0
+"""Tolerances by which 99 % of the points may lie off it, and all of them."""
 LARGEST_SHARE = 0.25
 """Share of the points at which doubling ends."""
 
@@ -36,9 +42,9 @@ def start_mesh(
     target
         The data, in the normalised frame.
     vertices
-        Vertices wanted; None takes 5 % of the points for tolerances of .05 % of the diagonal and less, 1 % for 1 % and
-        more, and in between by the logarithm; and twice as many while the decimated mesh strays from the points by
-        more than `COARSEST` tolerances, as thin parts of few points do.
+        Vertices wanted; None takes as few as leave 99 % of the points within `COARSE` tolerances and all within
+        `COARSEST`, but .2 to 5 % of the points; and up to `LARGEST_SHARE` of them while any lies farther off than that,
+        as happens where thin parts have few points.
     max_error
         The tolerance as a share of the diagonal; None counts as .1 %.
     budget
@@ -60,13 +66,7 @@ def start_mesh(
     if vertices is not None:
         found = decimate(points, triangles, vertices, crease_edges=creases)
     else:
-        bound = max_error or 1e-3
-        most = min(LARGEST_SHARE * len(points), budget or np.inf)
-        wanted = int(min(default_vertices(len(points), bound), budget or np.inf))
-        found = decimate(points, triangles, wanted, crease_edges=creases)
-        while _worst(points, found) > COARSEST * bound and 2 * wanted <= most:
-            wanted *= 2
-            found = decimate(points, triangles, wanted, crease_edges=creases)
+        found = _coarse_enough(points, triangles, creases, max_error or 1e-3, budget or len(points))
     if found.message:
         logger.warning("%s", found.message)
     mesh = ControlMesh.from_triangles(
@@ -75,13 +75,23 @@ def start_mesh(
     return mesh if faces == "triangles" else pair_triangles(mesh)
 
 
-def _worst(points: NDArray[np.float64], found: Decimated) -> float:
-    """Largest distance of the points from a decimated mesh."""
-    return float(TriangleTree(found.points, found.triangles).closest(points).distance.max())
+def _coarse_enough(points: Floats, triangles: Rows, creases: Rows, bound: float, budget: int) -> Decimated:
+    """Decimate as far as the tolerance lets a fit begin."""
+    wanted = min(max(4, round(SHARE * len(points))), budget)
+    found = decimate(points, triangles, wanted, crease_edges=creases)
+    distance = _distances(points, found)
+    while distance.max() > COARSEST * bound and 2 * wanted <= min(LARGEST_SHARE * len(points), budget):
+        wanted *= 2
+        found = decimate(points, triangles, wanted, crease_edges=creases)
+        distance = _distances(points, found)
+    # Errors fall as vertices grow: by the square of the edges' length.
+    ratio = max(np.quantile(distance, 0.99) / (COARSE * bound), distance.max() / (COARSEST * bound))
+    fewer = max(4, round(LEAST_SHARE * len(points)), int(ratio * wanted))
+    if fewer >= wanted:
+        return found
+    return decimate(found.points, found.triangles, fewer, crease_edges=found.crease_edges, corners=found.corners)
 
 
-def default_vertices(points: int, max_error: float) -> int:
-    """Vertices to start from, for a number of points and a tolerance as a share of the diagonal."""
-    level = float(np.clip(np.log(max_error / 5e-4) / np.log(1e-2 / 5e-4), 0.0, 1.0))
-    share: float = MOST_SHARE * (LEAST_SHARE / MOST_SHARE) ** level
-    return max(4, round(share * points))
+def _distances(points: Floats, found: Decimated) -> Floats:
+    """Distances of the points from a decimated mesh, (n,)."""
+    return TriangleTree(found.points, found.triangles).closest(points).distance
