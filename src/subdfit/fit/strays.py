@@ -71,7 +71,7 @@ class Strays:
 
     def insist(self, state: FitState) -> float:
         """Weight with which to draw samples now: more each time that some stray; after the most all begins anew."""
-        straying = self.worst(state) > 1
+        straying = self._worst(state) > 1
         if straying and self._insistence < MOST_INSISTENCE:
             self._insistence *= INSISTENCE
         else:
