@@ -49,7 +49,7 @@ Flags = NDArray[np.bool_]
 class Auto:
     """Rounds of a few damped tangent-distance steps, the control mesh adapted before each but the first."""
 
-    patience = 24
+    patience = 16
 
     def __init__(self, settings: FitSettings, weights: TangentSettings | None = None) -> None:
         self.settings = settings

@@ -18,12 +18,13 @@ Rows = NDArray[np.int64]
 
 logger = logging.getLogger(__name__)
 
-SHARE = 0.05
-"""The first control mesh has at most 5 % of the points (Nishiyama et al. 2008, section 3, takes 1 to 5 %)."""
-LEAST_SHARE = 0.002
-"""And at least this share: how many are needed depends on the shape, not on how densely it was scanned."""
-COARSE, COARSEST = 2.0, 10.0
-"""Tolerances by which 99 % of the points may lie off it, and all of them."""
+LEAST_SHARE, SHARE = 0.01, 0.05
+"""The first control mesh has 1 to 5 % of the points (Nishiyama et al. 2008, section 3), as the shape asks for."""
+COARSE, FARTHEST = 2.0, 4.0
+"""Tolerances by which 99 % of the points may lie off it, and all: farther off, thin sheets would be mixed up."""
+GROWTH = 1.25
+COARSEST = 10.0
+"""A mesh of the largest share that lies off by more tolerances than this is too coarse."""
 LARGEST_SHARE = 0.25
 """Share of the points at which doubling ends."""
 
@@ -43,8 +44,8 @@ def start_mesh(
         The data, in the normalised frame.
     vertices
         Vertices wanted; None takes as few as leave 99 % of the points within `COARSE` tolerances and all within
-        `COARSEST`, but .2 to 5 % of the points; and up to `LARGEST_SHARE` of them while any lies farther off than that,
-        as happens where thin parts have few points.
+        `FARTHEST`, but 1 to 5 % of the points; and up to `LARGEST_SHARE` of them while any lies off by more than
+        `COARSEST` tolerances, as happens where thin parts have few points.
     max_error
         The tolerance as a share of the diagonal; None counts as .1 %.
     budget
@@ -84,12 +85,27 @@ def _coarse_enough(points: Floats, triangles: Rows, creases: Rows, bound: float,
         wanted *= 2
         found = decimate(points, triangles, wanted, crease_edges=creases)
         distance = _distances(points, found)
-    # Errors fall as vertices grow: by the square of the edges' length.
-    ratio = max(np.quantile(distance, 0.99) / (COARSE * bound), distance.max() / (COARSEST * bound))
-    fewer = max(4, round(LEAST_SHARE * len(points)), int(ratio * wanted))
-    if fewer >= wanted:
-        return found
-    return decimate(found.points, found.triangles, fewer, crease_edges=found.crease_edges, corners=found.corners)
+    return _coarsened(points, found, distance, bound)
+
+
+def _coarsened(points: Floats, found: Decimated, distance: Floats, bound: float) -> Decimated:
+    """Decimate further, as far as the points stay near enough; `distance` (n,) are theirs from what was found."""
+    finest, wanted = found, len(found.points)
+    # Where much is curved, errors fall as vertices grow; where little is, far more steeply.
+    wanted = max(4, round(LEAST_SHARE * len(points)), int(_strain(distance, bound) * wanted))
+    while wanted < len(finest.points):
+        coarse = decimate(
+            finest.points, finest.triangles, wanted, crease_edges=finest.crease_edges, corners=finest.corners
+        )
+        if _strain(_distances(points, coarse), bound) <= 1:
+            return coarse
+        wanted = int(GROWTH * wanted) + 1
+    return finest
+
+
+def _strain(distance: Floats, bound: float) -> float:
+    """How far points are off, in terms of what a fit may begin with: at most 1 is near enough."""
+    return float(max(np.quantile(distance, 0.99) / COARSE, distance.max() / FARTHEST) / bound)
 
 
 def _distances(points: Floats, found: Decimated) -> Floats:
