@@ -97,7 +97,8 @@ class Auto:
         curves = sparse_curve_samples(state, cells)
         part = Part(some, samples, curves, self._free(near, state), LATE_STEPS, LATE_GAIN)
         self._descent.damping = LATE_DAMPING
-        return state.followed(self._descent.moved(part, self._strays.insist(state)), rows)
+        insistence = self._strays.insist(state, within(state, self.settings.tolerance))
+        return state.followed(self._descent.moved(part, insistence), rows)
 
     def _free(self, vertices: Flags, state: FitState) -> Flags:
         """Those of the flagged control vertices that may move."""

@@ -69,10 +69,14 @@ class Strays:
         order = np.argsort(-gap, kind="stable")
         return order[gap[order] > 0.9 * (self.bound or np.inf)]
 
-    def insist(self, state: FitState) -> float:
-        """Weight with which to draw samples now: more each time that some stray; after the most all begins anew."""
-        straying = self._worst(state) > 1
-        if straying and self._insistence < MOST_INSISTENCE:
+    def insist(self, state: FitState, within: bool) -> float:
+        """Weight with which to draw samples now: more each time that some stray and the data are `within` tolerance.
+
+        After the most all begins anew.
+        """
+        if not within:
+            self._insistence = max(self._insistence / INSISTENCE, 1.0)
+        elif self._worst(state) > 1 and self._insistence < MOST_INSISTENCE:
             self._insistence *= INSISTENCE
         else:
             self._insistence, self._cutting_helps = 1.0, True
