@@ -85,15 +85,16 @@ def test_nothing_is_left_out_where_that_is_not_allowed():
 
 def test_meshes_leave_out_nothing_unless_told(ball):
     points = ball.points.copy()
-    points[17] *= 1.05
+    points[17] *= 1.3
     target = (points, ball.triangles)
-    untold = subdfit.fit(target, max_error="0.2%", max_control_vertices=200)
-    result = subdfit.fit(target, max_error="0.2%", robust="0.1%", max_control_vertices=200)
-    assert result.status == "within_tolerance"
-    assert 17 in result.measurement.excluded
+    # So thin a spike cannot be followed with so few control vertices.
+    untold = subdfit.fit(target, max_error="0.2%", max_control_vertices=150)
+    told = subdfit.fit(target, max_error="0.2%", robust="0.1%", max_control_vertices=150)
+    assert untold.status == "best_effort"
     assert len(untold.measurement.excluded) == 0
-    # The spike costs control vertices, as long as there are any to spend.
-    assert result.control_mesh.topology.vertex_count < untold.control_mesh.topology.vertex_count
+    assert told.status == "within_tolerance"
+    assert 17 in told.measurement.excluded
+    assert told.measurement.max < untold.measurement.max / 3
 
 
 def test_noise_judged_by_rms_is_smoothed_not_followed():
