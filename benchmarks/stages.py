@@ -16,8 +16,8 @@ STAGES = {
         ("subdfit.closest.projection.Projector", "start"),
     ],
     "remesh": [("subdfit.fit.auto", "refined"), ("subdfit.fit.geometric", "refined")],
-    "rows and solve": [("subdfit.fit.auto", "tangent_step"), ("subdfit.fit.geometric.Geometric", "displacements")],
-    "reverse side": [("subdfit.fit.auto", "strays"), ("subdfit.fit.auto", "inner_samples")],
+    "rows and solve": [("subdfit.fit.descent", "tangent_step"), ("subdfit.fit.geometric.Geometric", "displacements")],
+    "reverse side": [("subdfit.fit.strays.Strays", "samples"), ("subdfit.fit.reverse.Samples", "of")],
     "certificate": [("subdfit.fit.driver", "measure")],
 }
 

@@ -54,7 +54,8 @@ def test_no_diagonal_doubles_an_edge():
     """Two quads over the same corners: their shorter diagonal can be used once only."""
     points = [[0, 0, 0], [3, 0, 0], [4, 1, 0], [1, 1, 0]]
     triangles = cut(points, [[0, 1, 2, 3], [3, 2, 1, 0]])
-    Topology.from_triangles(triangles, 4)
+    topology = Topology.from_triangles(triangles, 4)
+    assert (topology.face_count, topology.edge_count) == (4, 6)
 
 
 def test_triangles_stay_as_they_are(sphere):

@@ -83,7 +83,7 @@ class Strays:
         return self._insistence
 
     def to_cut(self, state: FitState, faces: Faces) -> Faces:
-        """Those of the straying faces to cut now; none any more once cutting left more of them than there were.
+        """Those of the straying faces to cut now; none once cutting left more of them, until `insist` begins anew.
 
         A surface with more freedom where there are no data may crumple, and then strays all the more.
         """

@@ -23,6 +23,7 @@ LEAST_SHARE, SHARE = 0.01, 0.05
 COARSE, FARTHEST = 2.0, 4.0
 """Tolerances by which 99 % of the points may lie off it, and all: farther off, thin sheets would be mixed up."""
 GROWTH = 1.25
+"""Factor by which the vertices grow from one try to the next while it lies off by more."""
 COARSEST = 10.0
 """A mesh of the largest share that lies off by more tolerances than this is too coarse."""
 LARGEST_SHARE = 0.25
