@@ -5,7 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from subdfit.compiled import inlined_kernel, kernel
-from subdfit.limit._kernels import QUAD, SLOTS, TRIANGLE, expand
+from subdfit.limit._kernels import expand
+from subdfit.limit._locate_kernels import QUAD, TRIANGLE
+from subdfit.limit._strip_kernels import SLOTS
 
 MAX_CROSSINGS = 16
 BACKTRACKS = 8

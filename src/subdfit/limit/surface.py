@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from subdfit.errors import InputError
 from subdfit.limit import _kernels as kernels
+from subdfit.limit import _weight_kernels as weight_kernels
+from subdfit.limit._locate_kernels import Patches
 from subdfit.limit.curvature import PrincipalCurvature, curvature_of_derivatives, undefined, unit
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.mesh.topology import Topology
@@ -121,11 +123,11 @@ class LimitSurface:
         return other
 
     @cached_property
-    def patches(self) -> kernels.Patches:
+    def patches(self) -> Patches:
         """The arrays that kernels take."""
         t, control = self.compiled.table, self.control_mesh.points
         positions = np.concatenate([control, self.compiled.local_matrix @ control])
-        return kernels.Patches(
+        return Patches(
             self.domain.shape,
             t.cell_node,
             t.node_children,
@@ -189,12 +191,12 @@ class LimitSurface:
         self, face: NDArray[np.int32], uv: Floats, derivative: int = 0
     ) -> tuple[NDArray[np.int64], NDArray[np.int32], Floats]:
         """Rows of weights over *patch points*, as offsets, columns and values: what `weights` is made of."""
-        offsets = kernels.row_sizes(self.patches, face, uv)
+        offsets = weight_kernels.row_sizes(self.patches, face, uv)
         columns = np.empty(offsets[-1], np.int32)
         values = np.empty(offsets[-1])
 
         def job(start: int, stop: int) -> None:
-            kernels.weights(self.patches, face, uv, offsets, start, stop, derivative, columns, values)
+            weight_kernels.weights(self.patches, face, uv, offsets, start, stop, derivative, columns, values)
 
         map_chunks(job, len(face), CHUNK)
         return offsets, columns, values
