@@ -211,15 +211,15 @@ def test_strips_are_closed_under_refinement(kind):
 
 def test_strip_matrices_keep_constants_to_the_last_digit():
     """The first number is a point, the others are relative to it."""
-    first = strips().matrices[:, :, 0]
+    first = strips().matrices.reshape(-1, 16, 16)[:, 0]
     np.testing.assert_array_equal(first, np.broadcast_to(np.eye(16)[0], first.shape))
 
 
-def with_strip_levels(surface, levels):
+def with_strips(surface, **changes):
     table = surface.compiled.table
     other = object.__new__(LimitSurface)
     other._set(
-        replace(surface.compiled, table=replace(table, strips=table.strips._replace(levels=levels))),
+        replace(surface.compiled, table=replace(table, strips=table.strips._replace(**changes))),
         surface.control_mesh,
     )
     return other
@@ -247,8 +247,8 @@ def test_strips_err_by_far_less_than_the_stated_bound(name):
     """
     surface, length = surface_of("quad-triangle", name), size(mesh_of(name))
     for face, uv in on_seams(surface):
-        exact = with_strip_levels(surface, 40).evaluate(face, uv, 1)
-        found = [with_strip_levels(surface, levels).evaluate(face, uv, 1) for levels in (4, 6, 8, 10)]
+        exact = with_strips(surface, levels=40).evaluate(face, uv, 1)
+        found = [with_strips(surface, levels=levels).evaluate(face, uv, 1) for levels in (4, 6, 8, 10)]
         position = np.array([np.abs(f.position - exact.position).max() for f in found])
         scale = np.maximum(np.abs(exact.first).max(axis=(1, 2)), length)[:, None, None]
         first = np.array([(np.abs(f.first - exact.first) / scale).max() for f in found])
@@ -257,6 +257,17 @@ def test_strips_err_by_far_less_than_the_stated_bound(name):
         value = surface.evaluate(face, uv, 1)
         assert np.abs(value.position - exact.position).max() < 1e-14 * length
         assert (np.abs(value.first - exact.first) / scale).max() < 1e-11
+
+
+@pytest.mark.parametrize("name", SEAMED)
+def test_several_levels_at_once_are_as_good_as_one_by_one(name):
+    surface = surface_of("quad-triangle", name)
+    single = with_strips(surface, sides=np.full_like(strips().sides, -1))
+    for face, uv in on_seams(surface):
+        value, expected = surface.evaluate(face, uv, 1), single.evaluate(face, uv, 1)
+        assert np.abs(value.position - expected.position).max() < 1e-14 * size(mesh_of(name))
+        assert np.abs(value.first - expected.first).max() < 1e-14 * np.abs(expected.first).max()
+        assert np.abs(surface.weights(face, uv) - single.weights(face, uv)).max() < 1e-14
 
 
 def test_second_derivatives_stay_bounded_towards_a_regular_seam():
@@ -271,7 +282,7 @@ def test_second_derivatives_stay_bounded_towards_a_regular_seam():
 def test_a_strip_touches_the_limit_in_its_corners():
     """The polynomial at the end has the exact limit points: those of `limit_rows`."""
     surface = surface_of("quad-triangle", "mixed torus QQTT")
-    shallow = with_strip_levels(surface, 0)
+    shallow = with_strips(surface, levels=0)
     face, corner = np.nonzero(surface.domain.present)
     uv = np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]])[corner]
     triangle = surface.domain.shape[face] == 3

@@ -27,6 +27,9 @@ class Patches(NamedTuple):
     type_strips: np.ndarray
     matrices: np.ndarray
     strip_parts: np.ndarray
+    strip_sides: np.ndarray
+    strip_products: np.ndarray
+    strip_at_once: int
     strip_matrices: np.ndarray
     strip_levels: int
     positions: np.ndarray

@@ -18,7 +18,7 @@ from subdfit.mesh.topology import Topology
 from subdfit.parallel import map_chunks
 from subdfit.schemes import Scheme, scheme_named
 from subdfit.schemes.domain import CORNERS, Domain
-from subdfit.schemes.patch_table import LEVELS, PatchTable
+from subdfit.schemes.patch_table import AT_ONCE, LEVELS, PatchTable
 
 Floats = NDArray[np.float64]
 
@@ -141,6 +141,9 @@ class LimitSurface:
             t.type_strips,
             t.matrices,
             t.strips.parts,
+            t.strips.sides,
+            t.strips.products,
+            AT_ONCE,
             t.strips.matrices,
             t.strips.levels,
             positions,

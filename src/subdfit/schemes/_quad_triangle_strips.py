@@ -9,7 +9,7 @@ from subdfit.schemes._loop_types import monomials
 from subdfit.schemes._quad_triangle_kinds import Regular, Strip
 from subdfit.schemes._quad_triangle_parts import Part, parts, polynomials
 from subdfit.schemes.domain import CORNERS
-from subdfit.schemes.patch_table import STRIDE, Strips
+from subdfit.schemes.patch_table import AT_ONCE, STRIDE, Strips
 
 Matrix = NDArray[np.float64]
 
@@ -46,8 +46,22 @@ def strips() -> Strips:
     child = np.array([[number for number, _ in row] for row in found], np.int8)
     steps = np.array([[_from_relative(matrix) for _, matrix in row] for row in found])
     ends = np.array([_touching_polynomial(child, steps, strip) for strip in range(len(STRIPS))])
-    matrices = np.concatenate([steps, ends[:, None]], axis=1)
-    return Strips(child, np.ascontiguousarray(matrices.swapaxes(2, 3)), LEVELS)
+    single = np.concatenate([steps, ends[:, None]], axis=1).reshape(-1, STRIDE, STRIDE)
+    sides = np.array([-1 if kind.touching else turn for kind, turn in STRIPS], np.int8)
+    seams = np.flatnonzero(sides >= 0)
+    along = [_along_side(steps[strip, [sides[strip], (sides[strip] + 1) % STRIPS[strip][0].size]]) for strip in seams]
+    products = np.full(len(STRIPS), -1, np.int32)
+    products[seams] = len(single) + 2**AT_ONCE * np.arange(len(seams))
+    matrices = np.concatenate([single, *along])
+    return Strips(child, sides, products, matrices.swapaxes(1, 2).ravel(), LEVELS)
+
+
+def _along_side(halves: Matrix) -> Matrix:
+    """Matrices to the pieces of a side that is halved `AT_ONCE` times, by those to its halves, (2, STRIDE, STRIDE)."""
+    pieces = np.eye(STRIDE)[None]
+    for _ in range(AT_ONCE):
+        pieces = (halves @ pieces[:, None]).reshape(-1, STRIDE, STRIDE)
+    return pieces
 
 
 def _from_relative(rows: Matrix) -> Matrix:

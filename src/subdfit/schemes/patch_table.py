@@ -51,17 +51,23 @@ class Strips(NamedTuple):
     Attributes
     ----------
     parts : (s, 4) int8, the strip that each part of a strip is, -1 for a polynomial.
-    matrices : (s, 5, STRIDE, STRIDE), stored number by number like `PatchTable.matrices`: to the numbers of the parts,
-        and to the polynomial that stands for the strip in the end.
-    levels : steps into a strip before that.
+    sides : (s,) int8, the side of its cell along which a strip begins again on each finer level, -1 for none.
+    products : (s,) int32, the first of the matrices that lead along this side by `AT_ONCE` levels, in sequence.
+    matrices : flat float64, `STRIDE` by `STRIDE` each and stored number by number like `PatchTable.matrices`: five a
+        strip, to the numbers of its parts and to the polynomial that stands for the strip in the end; then `products`.
+    levels : levels of refinement before that.
     """
 
     parts: NDArray[np.int8]
+    sides: NDArray[np.int8]
+    products: NDArray[np.int32]
     matrices: NDArray[np.float64]
     levels: int
 
 
-NO_STRIPS = Strips(np.empty((0, 4), np.int8), np.empty((0, 5, STRIDE, STRIDE)), 0)
+NO_STRIPS = Strips(np.empty((0, 4), np.int8), np.empty(0, np.int8), np.empty(0, np.int32), np.empty(0), 0)
+AT_ONCE = 6
+"""Levels that one matrix leads along the line beside which a strip lies."""
 
 
 @dataclass(frozen=True, eq=False)
