@@ -8,32 +8,42 @@ KEPT = 10
 """Coefficient sets kept while the cell does not change: the sub-patches of three levels, and one for all deeper."""
 
 
+@inlined_kernel
+def listed(points, positions, at, end):  # type: ignore[no-untyped-def]
+    """A point in the list of patches' points, or zero for entries from `end` on."""
+    if at >= end:
+        return 0.0, 0.0, 0.0
+    q = points[at]
+    return positions[q, 0], positions[q, 1], positions[q, 2]
+
+
 @kernel
 def gather(patches, patch, block, out, to):  # type: ignore[no-untyped-def]
     """Write a polynomial's coefficients, 16 for each coordinate, into ``out[to:to + 48]``."""
     kind = patches.patch_type[patch]
     size = patches.type_size[kind]
     begin = patches.type_offset[kind] + 16 * block * size
-    first = patches.patch_offset[patch]
+    first, end = patches.patch_offset[patch], patches.patch_offset[patch] + size
+    last = begin + 16 * (size - 1)
     # Taken out of the tuple once: numba counts a reference each time a field is read.
-    points, positions, matrices = patches.patch_points, patches.positions, patches.matrices
-    # Four rows at a time: twelve sums stay in registers.
-    for row in range(to, to + 16, 4):
-        x0 = x1 = x2 = x3 = 0.0
-        y0 = y1 = y2 = y3 = 0.0
-        z0 = z1 = z2 = z3 = 0.0
-        at = begin + row - to
-        for k in range(size):
-            q = points[first + k]
-            x, y, z = positions[q, 0], positions[q, 1], positions[q, 2]
-            m0, m1, m2, m3 = matrices[at], matrices[at + 1], matrices[at + 2], matrices[at + 3]
-            x0, x1, x2, x3 = x0 + m0 * x, x1 + m1 * x, x2 + m2 * x, x3 + m3 * x
-            y0, y1, y2, y3 = y0 + m0 * y, y1 + m1 * y, y2 + m2 * y, y3 + m3 * y
-            z0, z1, z2, z3 = z0 + m0 * z, z1 + m1 * z, z2 + m2 * z, z3 + m3 * z
-            at += 16
-        out[row], out[row + 1], out[row + 2], out[row + 3] = x0, x1, x2, x3
-        out[row + 16], out[row + 17], out[row + 18], out[row + 19] = y0, y1, y2, y3
-        out[row + 32], out[row + 33], out[row + 34], out[row + 35] = z0, z1, z2, z3
+    points, positions, m = patches.patch_points, patches.positions, patches.matrices
+    # Of unsigned numbers the compiler knows that they do not count from the end, and only then does it vectorise.
+    x, y, z, rows = np.uint64(to), np.uint64(to + 16), np.uint64(to + 32), np.uint64(16)
+    for r in range(np.uint64(48)):
+        out[x + r] = 0.0
+    for k in range(0, size, 4):
+        x0, y0, z0 = listed(points, positions, first + k, end)
+        x1, y1, z1 = listed(points, positions, first + k + 1, end)
+        x2, y2, z2 = listed(points, positions, first + k + 2, end)
+        x3, y3, z3 = listed(points, positions, first + k + 3, end)
+        at = begin + 16 * k
+        a, b = np.uint64(at), np.uint64(min(at + 16, last))
+        c, d = np.uint64(min(at + 32, last)), np.uint64(min(at + 48, last))
+        for r in range(rows):
+            m0, m1, m2, m3 = m[a + r], m[b + r], m[c + r], m[d + r]
+            out[x + r] += m0 * x0 + m1 * x1 + m2 * x2 + m3 * x3
+            out[y + r] += m0 * y0 + m1 * y1 + m2 * y2 + m3 * y3
+            out[z + r] += m0 * z0 + m1 * z1 + m2 * z2 + m3 * z3
 
 
 @inlined_kernel
