@@ -39,7 +39,7 @@ def test_the_block_is_watertight_and_certified(fitted):
     assert fitted.measurement.max <= 5e-3
     assert fitted.measurement.reverse_excess <= 5e-3
     assert topology.vertex_count <= 24  # eight corners, and rings of four to eight about the hole
-    assert fitted.history[0].control_vertices <= topology.vertex_count
+    assert topology.vertex_count == fitted.history[-1].control_vertices
 
 
 def test_its_sharp_control_edges_are_its_edges(fitted):
@@ -86,17 +86,18 @@ def test_catmull_clark_takes_the_same_start(drilled):
     assert euler(result.control_mesh.topology) == 0
 
 
-def test_fandisk_is_as_light_and_as_near_as_the_paper_has_it(meshes):
-    """Table 2: 75 control vertices and 89 faces at a mean of .78e-3 and a mean square of 1.2e-5 of the cube's side."""
+def test_fandisk_is_lighter_than_the_paper_has_it_and_as_near(meshes):
+    """Table 2: 75 control vertices and 89 faces at a mean of .78e-3 and a mean square of 1.2e-5 of the cube's side;
+    Hoppe et al. have .25e-5 at 87 vertices."""
     result = lavoue(meshes / "fandisk.ply", mean_error="0.0537%")
     m = result.measurement
     side = np.ptp(subdfit.read(meshes / "fandisk.ply").points, axis=0).max()
-    assert result.status == "within_tolerance"
+    assert result.certified
     assert m.mean * m.diagonal <= 0.78e-3 * side
-    assert (m.rms * m.diagonal) ** 2 <= 1.2e-5 * side**2
+    assert (m.rms * m.diagonal) ** 2 <= 0.25e-5 * side**2
     assert euler(result.control_mesh.topology) == 2
-    assert result.control_mesh.topology.vertex_count <= 1.05 * 75
-    assert result.control_mesh.topology.face_count <= 1.05 * 89
+    assert result.control_mesh.topology.vertex_count <= 70
+    assert result.control_mesh.topology.face_count <= 80
 
 
 @pytest.mark.parametrize(

@@ -37,6 +37,7 @@ def fit(
     over_relaxation: float = 1.0,
     nesterov: bool = False,
     boundary_step: bool = True,
+    thin: bool = False,
     repair: bool = False,
     keep_components: int | None = None,
     fill_holes: int | None = None,
@@ -77,6 +78,9 @@ def fit(
     over_relaxation, nesterov, boundary_step
         Of the method ``geometric``: a factor on its displacements, above 0 and below 2; Nesterov's momentum; and our
         step for boundaries, without which boundary data pull as all others do. The paper has 1, no and no.
+    thin
+        In the end remove control vertices and merge faces while the tolerance holds on both sides: fewer by a sixth to
+        a half, in several times the time. ``lavoue`` does so in any case.
     repair
         Cut apart edges with more than two faces and surfaces that cannot be oriented, instead of refusing them.
     keep_components
@@ -138,6 +142,7 @@ def fit(
             over_relaxation=over_relaxation,
             nesterov=nesterov,
             boundary_step=boundary_step,
+            thin=thin,
         )
         found = fit_target(ready.target, settings, progress, unit)
     seconds = ready.seconds | found.seconds | elapsed(begun, compiled)

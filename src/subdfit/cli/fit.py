@@ -71,6 +71,12 @@ def _add_method(parser: argparse.ArgumentParser) -> None:
         "--boundary", choices=("fit", "fixed"), default="fit", help="move boundary vertices, or not (default: fit)"
     )
     group.add_argument(
+        "--thin",
+        action="store_true",
+        help="in the end remove control vertices and merge faces while the tolerance holds: a lighter control mesh in "
+        "several times the time; the method lavoue does so in any case",
+    )
+    group.add_argument(
         "--robust",
         metavar="SHARE",
         help="share of the points that may be left out as outliers; they are listed (default: 0.5%% of a cloud, 0 of a "
@@ -108,7 +114,7 @@ def run(args: argparse.Namespace, console: Console) -> int:
 
 def fit_arguments(args: argparse.Namespace) -> dict[str, Any]:
     """Arguments of `subdfit.fit` for the options that a command has; the library knows the others' defaults."""
-    names = ("scheme", "method", "control_vertices", "max_control_vertices", "boundary", "robust", "seed")
+    names = ("scheme", "method", "control_vertices", "max_control_vertices", "boundary", "thin", "robust", "seed")
     geometric = ("over_relaxation", "nesterov", "boundary_step")
     given = {name: getattr(args, name) for name in (*names, *geometric) if hasattr(args, name)}
     return options.target_arguments(args) | given

@@ -14,6 +14,8 @@ Floats = NDArray[np.float64]
 SEGMENTS = 4
 """Chords a cell side in the tree."""
 NEWTON_STEPS = 6
+SETTLED = 1e-7
+"""A parameter that moves by less is found: what is left is its square."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,16 +95,23 @@ class SurfaceCurves:
 
     def closest(self, points: Floats) -> CurveProjection:
         """Footpoints of (k, 3) points: the nearest chord, then Newton's method along the curves."""
-        side, t = self._start(points)
+        start = self._start(points)
+        side, t = start[0].copy(), start[1].copy()
+        moving = np.arange(len(points))
         for _ in range(NEWTON_STEPS):
-            position, first, second = self._expand(side, t)
-            gap = position - points
+            position, first, second = self._expand(side[moving], t[moving])
+            gap = position - points[moving]
             slope = np.einsum("kd,kd->k", first, gap)
             metric = np.einsum("kd,kd->k", first, first)
             bend = metric + np.einsum("kd,kd->k", second, gap)
-            step = slope / np.where(bend > 0.1 * metric, bend, np.maximum(metric, 1e-300))
-            side, t = self._move(side, t - np.clip(step, -0.5, 0.5))
-        return self._best(points, side, t)
+            step = np.clip(slope / np.where(bend > 0.1 * metric, bend, np.maximum(metric, 1e-300)), -0.5, 0.5)
+            moved = self._move(side[moving], t[moving] - step)
+            still = (moved[0] == side[moving]) & (np.abs(moved[1] - t[moving]) < SETTLED)
+            side[moving], t[moving] = moved
+            moving = moving[~still]
+            if len(moving) == 0:
+                break
+        return self._best(points, side, t, *start)
 
     def _start(self, points: Floats) -> tuple[NDArray[np.int64], Floats]:
         count = len(self)
@@ -135,9 +144,10 @@ class SurfaceCurves:
         new_t = np.where(crossing, np.where(joined % 2 == 0, over, 1 - over), t)
         return new_side, np.clip(new_t, 0.0, 1.0)
 
-    def _best(self, points: Floats, side: NDArray[np.int64], t: Floats) -> CurveProjection:
+    def _best(
+        self, points: Floats, side: NDArray[np.int64], t: Floats, first_side: NDArray[np.int64], first_t: Floats
+    ) -> CurveProjection:
         """Keep the start where Newton's method ended farther away."""
-        first_side, first_t = self._start(points)
         before = self._expand(first_side, first_t)[0]
         after = self._expand(side, t)[0]
         worse = np.linalg.norm(after - points, axis=1) > np.linalg.norm(before - points, axis=1)

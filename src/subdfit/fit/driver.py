@@ -19,6 +19,7 @@ from subdfit.fit.result import FitResult, Iteration, Status
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import badness, error_that_matters, within
+from subdfit.fit.thinning import Thinning
 from subdfit.initial.start import start_mesh
 from subdfit.limit.surface import LimitSurface
 from subdfit.measure import Measurement, Outliers, measure
@@ -165,6 +166,8 @@ def fit_target(
         fitter = METHODS[settings.method](settings)
         run.record("start", state, fitter)
         state, measurement = _iterate(run, state, fitter)
+        if measurement is not None and (settings.thin or settings.method == "lavoue"):
+            state, measurement = _thinned(run, state, measurement, fitter)
     except KeyboardInterrupt:
         if run.best is None:
             raise
@@ -190,6 +193,22 @@ def _iterate(run: _Run, state: FitState, fitter: Fitter) -> tuple[FitState, Meas
             break
     assert run.best is not None
     return run.best, None
+
+
+def _thinned(run: _Run, state: FitState, measurement: Measurement, fitter: Fitter) -> tuple[FitState, Measurement]:
+    """The lightest fit with a certificate; the given one, which is measured, where there is none."""
+    tolerance, cloud = run.settings.tolerance, run.target.cloud
+    lighter = []
+    for found in Thinning(run.settings).lighter(state):
+        run.record("thin", found, fitter)
+        lighter.append(found)
+    for found in reversed(lighter):
+        measured = _measured(run, found)
+        if measured.certifies(tolerance, cloud) or (
+            measured.meets(tolerance) and not measurement.certifies(tolerance, cloud)
+        ):
+            return found, measured
+    return state, measurement
 
 
 def _started(target: Target, settings: FitSettings) -> tuple[Target, ControlMesh]:

@@ -18,6 +18,7 @@ class FitSettings:
     max_control_vertices : budget; None is unbounded.
     robust : share of the data points that may be left out as outliers; 0 leaves out none.
     fixed_boundary : the boundary of the first control mesh stays where it is.
+    thin : in the end remove control vertices and merge faces while the tolerance holds; ``lavoue`` does so anyway.
     max_iterations : after so many iterations the best so far is returned.
     sample_spacing : faces of the target with longer sides are sampled inside.
     over_relaxation : factor on the displacements of ``geometric`` (1 is the paper's).
@@ -32,6 +33,7 @@ class FitSettings:
     max_control_vertices: int | None = None
     robust: float = 0.0
     fixed_boundary: bool = False
+    thin: bool = False
     max_iterations: int = 120
     sample_spacing: float = 0.02
     over_relaxation: float = 1.0

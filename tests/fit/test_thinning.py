@@ -1,0 +1,46 @@
+"""Lighter control meshes: what is too many is taken out, and what was asked goes on to hold."""
+
+import numpy as np
+import pytest
+import trimesh
+
+import subdfit
+from shapes.zoo import mesh_of
+from subdfit.fit.data import FitData
+from subdfit.fit.settings import FitSettings
+from subdfit.fit.state import FitState
+from subdfit.fit.thinning import Thinning
+from subdfit.limit.surface import LimitSurface
+from subdfit.measure import Tolerance
+from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.target.frame import Frame
+from subdfit.target.target import mesh_target
+
+
+@pytest.mark.parametrize("scheme", ["loop", "quad-triangle"])
+def test_a_refined_control_mesh_becomes_nearly_as_light_as_it_was(scheme: str) -> None:
+    """The surface of an icosahedron's twelve vertices, from the 42 of one step of subdivision."""
+    coarse = ControlMesh(mesh_of("icosahedron").topology, mesh_of("icosahedron").points, scheme)
+    refined = subdfit.subdivide(coarse, 1)
+    dense = subdfit.subdivide(coarse, 3, limit=True)
+    target = mesh_target(dense.points, dense.topology.triangles, creases="none")
+    frame = Frame.of(target.points)
+    settings = FitSettings(scheme=scheme, tolerance=Tolerance(max=5e-3))
+    data = FitData.of(target.normalised(frame), settings.sample_spacing)
+    mesh = ControlMesh(refined.topology, frame.inside(refined.points), scheme)
+    found = list(Thinning(settings).lighter(FitState.start(data, LimitSurface(mesh, scheme))))
+    counts = [state.surface.topology.vertex_count for state in found]
+    assert counts == sorted(counts, reverse=True)
+    assert counts[-1] <= 24
+    assert all(state.errors.max <= 5e-3 for state in found)
+
+
+def test_a_lighter_fit_is_certified_like_any_other() -> None:
+    shape = trimesh.creation.torus(1.0, 0.4, 48, 24)
+    target = (np.asarray(shape.vertices), np.asarray(shape.faces))
+    plain, thin = (subdfit.fit(target, scheme="catmull-clark", max_error="0.5%", thin=thin) for thin in (False, True))
+    t = thin.control_mesh.topology
+    assert thin.certified
+    assert t.vertex_count < plain.control_mesh.topology.vertex_count
+    assert t.vertex_count - t.edge_count + t.face_count == 0
+    assert thin.history[-1].control_vertices == t.vertex_count
