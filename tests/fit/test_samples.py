@@ -7,6 +7,7 @@ from subdfit.closest.curves import SurfaceCurves
 from subdfit.fit.auto import Auto
 from subdfit.fit.changes import cells_moved_by, changed_cells
 from subdfit.fit.data import FitData
+from subdfit.fit.regions import regions
 from subdfit.fit.reverse import CurveSamples, inner_samples, strays
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
@@ -56,24 +57,32 @@ def test_gaps_are_distances_beyond_the_allowance(state: FitState) -> None:
     place = state.surface.evaluate(samples.face, samples.uv).position
     found = target.tree.closest(place)
     beyond = np.maximum(found.distance - target.sagitta[found.triangle], 0.0)
-    np.testing.assert_allclose(np.abs(samples.gaps(state.surface)), beyond, atol=1e-12)
+    np.testing.assert_allclose(samples.gap, beyond, atol=1e-12)
 
 
-def test_gaps_follow_the_surface_when_it_moves(state: FitState) -> None:
-    step = 1e-3
-    samples = inner_samples(state.surface, state.data.target, np.arange(state.surface.domain.face_count))
-    moved = state.surface.with_points(state.surface.control_mesh.points + np.array([step, 0, 0]))
-    place = moved.evaluate(samples.face, samples.uv).position
-    true = state.data.target.tree.closest(place).distance
-    height = np.einsum("kd,kd->k", samples.foot - place, samples.normal)
-    assert np.median(np.abs(np.abs(height) - true)) < 0.02 * step
+def test_samples_point_at_the_target(state: FitState) -> None:
+    target = state.data.target
+    samples = inner_samples(state.surface, target, np.arange(state.surface.domain.face_count))
+    far = samples.gap > 1e-4
+    place = state.surface.evaluate(samples.face, samples.uv).position[far]
+    allowed = target.tree.closest(place).distance - samples.gap[far]
+    ahead = place + (samples.gap[far] + allowed)[:, None] * samples.normal[far]
+    assert far.any()
+    assert target.tree.closest(ahead).distance.max() < 1e-12
+
+
+def test_samples_of_some_cells_are_those_of_all(state: FitState) -> None:
+    cells = np.arange(state.surface.domain.face_count) % 3 == 0
+    some, everywhere = (strays(state.surface, state.data.target, 1e-4, kept) for kept in (cells, None))
+    assert np.array_equal(some.uv, everywhere.uv[cells[everywhere.face]])
+    assert np.array_equal(some.gap, everywhere.gap[cells[everywhere.face]])
 
 
 def test_strays_are_all_that_stray(state: FitState) -> None:
     bound = 1e-3
     found = strays(state.surface, state.data.target, bound)
     assert len(found)
-    assert np.all(np.abs(found.gaps(state.surface)) > bound)
+    assert np.all(found.gap > bound)
     assert len(strays(state.surface, state.data.target, 1.0)) == 0
 
 
@@ -120,17 +129,28 @@ def test_a_boundary_with_fewer_data_than_control_points_lies_on_the_targets() ->
     assert wave(state) < 0.1 * before
 
 
-def test_a_part_that_moves_is_the_whole_that_moves(state: FitState) -> None:
-    """Points out of reach of what moves keep their footpoints; those of the part are found as all would be."""
-    lone = np.arange(state.surface.topology.vertex_count) == 20
-    cells = cells_moved_by(state.surface, lone)
-    some, rows = state.near(cells)
+def test_a_region_has_the_footpoints_of_the_whole(state: FitState) -> None:
+    moving = np.arange(state.surface.topology.vertex_count) == 20
+    ((region, cells),) = regions(state.surface, moving)
+    rows = state.rows_in(cells)
     assert 0 < len(rows) < len(state.face)
+    part = region.state(state, cells)
+    np.testing.assert_allclose(part.distance, state.distance[rows], atol=1e-7)
+    assert part.boundary is not None
+    assert state.boundary is not None
+    there = np.isin(state.data.boundary, rows)
+    np.testing.assert_allclose(part.boundary.distance, state.boundary.distance[there], atol=1e-9)
+
+
+def test_points_out_of_reach_keep_their_footpoints(state: FitState) -> None:
+    """Those of the part that moves are found as all would be."""
+    cells = cells_moved_by(state.surface, np.arange(state.surface.topology.vertex_count) == 20)
     points = state.surface.control_mesh.points.copy()
     points[20] *= 1.02
-    whole, part = state.moved(points), state.followed(some.moved(points), rows)
+    moved = state.surface.with_points(points)
+    whole, part = state.moved(points), state.onto(moved, state.face, state.uv)
     np.testing.assert_allclose(part.distance, whole.distance, atol=1e-7)
-    outside = np.setdiff1d(np.arange(len(state.face)), rows)
+    outside = np.setdiff1d(np.arange(len(state.face)), state.rows_in(cells))
     np.testing.assert_array_equal(part.distance[outside], state.distance[outside])
     assert part.boundary is not None
     assert whole.boundary is not None
@@ -146,6 +166,6 @@ def test_strays_are_carried_where_nothing_changed(state: FitState) -> None:
     carried, anew = watch.samples(moved), strays(moved.surface, state.data.target, 0.5e-3)
     changed = changed_cells(state.surface, moved.surface)
     assert np.array_equal(carried.face[~changed[carried.face]], before.face[~changed[before.face]])
-    worst = [np.abs(found.gaps(moved.surface)).max() for found in (carried, anew)]
+    worst = [found.gap.max() for found in (carried, anew)]
     assert worst[0] == pytest.approx(worst[1], rel=1e-12)
     assert watch.worst(moved) == pytest.approx(worst[1] / 1e-3, rel=1e-12)

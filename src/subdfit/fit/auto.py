@@ -6,15 +6,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.fit.adapt import refined
-from subdfit.fit.changes import cells_moved_by, ring
+from subdfit.fit.changes import ring
 from subdfit.fit.descent import Descent, Part
 from subdfit.fit.faults import Faults, all_sides, curve_sides, cutting_sides
-from subdfit.fit.reverse import Samples, sparse_curve_samples, sparse_samples, strays_in
+from subdfit.fit.regions import Region, regions
+from subdfit.fit.reverse import Samples, sparse_curve_samples, sparse_samples, strays
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import Errors, FitState
 from subdfit.fit.stop import CURVE_FACTOR, badness, error_that_matters, within
 from subdfit.fit.strays import Strays
 from subdfit.fit.tangent import TangentSettings
+from subdfit.measure import reverse_segments
 
 STEPS, GAIN = 3, 0.9
 """Most steps in a round that moves everything, which ends when one leaves more than this share of the energy."""
@@ -55,7 +57,8 @@ class Auto:
         self.settings = settings
         bound = error_that_matters(settings.tolerance)
         robust = ROBUST * bound if settings.robust else np.inf
-        self._descent = Descent(weights or TangentSettings(robust=robust), bound)
+        weights = weights or TangentSettings(robust=robust)
+        self._descent = Descent(weights, bound, weights.damping)
         self._strays = Strays(settings.tolerance.max)
         self._begun = self._drawn = False
 
@@ -77,28 +80,37 @@ class Auto:
         """How far samples of the surface lie off the target at most, in tolerances."""
         return self._strays.worst(state)
 
-    def _moved_everywhere(self, state: FitState, strays: Samples, final: bool) -> FitState:
+    def _moved_everywhere(self, state: FitState, drawn: Samples, final: bool) -> FitState:
         """Move all control vertices, by some of the points as long as the control mesh still changes."""
         some, rows = (state, np.arange(len(state.face))) if final else state.thinned(ENOUGH)
-        samples = sparse_samples(state).joined(strays)
+        samples = sparse_samples(state).joined(drawn)
         cells = np.ones(state.surface.domain.face_count, np.bool_)
         free = self._free(np.ones(state.surface.topology.vertex_count, np.bool_), state)
         part = Part(some, samples, sparse_curve_samples(state, cells), free, STEPS, GAIN)
         return state.followed(self._descent.moved(part), rows)
 
     def _moved_near(self, state: FitState, focus: Flags) -> FitState:
-        """Move the control vertices near some, by all points and samples there."""
+        """Move the control vertices near some, one spot after the other, by all points and samples there."""
         topology, near = state.surface.topology, focus
         for _ in range(REACH):
             near = ring(topology, near)
-        cells = cells_moved_by(state.surface, near)
-        some, rows = state.near(cells)
-        samples = strays_in(state.surface, state.data.target, -np.inf, cells)
-        curves = sparse_curve_samples(state, cells)
-        part = Part(some, samples, curves, self._free(near, state), LATE_STEPS, LATE_GAIN)
-        self._descent.damping = LATE_DAMPING
+        near = self._free(near, state)
         insistence = self._strays.insist(state, within(state, self.settings.tolerance))
-        return state.followed(self._descent.moved(part, insistence), rows)
+        points = state.surface.control_mesh.points.copy()
+        for region, cells in regions(state.surface, near):
+            moving = near[region.vertices]
+            points[region.vertices[moving]] = self._spot_moved(state, region, cells, moving, insistence)[moving]
+        return state.onto(state.surface.with_points(points), state.face, state.uv)
+
+    def _spot_moved(
+        self, state: FitState, region: Region, cells: Flags, moving: Flags, insistence: float
+    ) -> NDArray[np.float64]:
+        """Control points of a region, (n, 3), after its own steps."""
+        spot, segments = region.state(state, cells), reverse_segments(state.surface.domain)
+        samples = strays(spot.surface, state.data.target, -np.inf, region.inner, segments)
+        part = Part(spot, samples, sparse_curve_samples(spot, region.inner), moving, LATE_STEPS, LATE_GAIN)
+        descent = Descent(self._descent.weights, self._descent.bound, LATE_DAMPING)
+        return descent.moved(part, insistence).surface.control_mesh.points
 
     def _free(self, vertices: Flags, state: FitState) -> Flags:
         """Those of the flagged control vertices that may move."""

@@ -7,13 +7,10 @@ from numpy.typing import NDArray
 
 from subdfit.fit.reverse import CurveSamples, Samples
 from subdfit.fit.state import FitState
-from subdfit.fit.tangent import TangentSettings, curve_reverse_rows, merit, reverse_rows, tangent_step
+from subdfit.fit.tangent import TangentSettings, curve_reverse_rows, merit, reverse_rows, tangent_system
 
-DAMPING_RANGE = (1e-6, 1e3)
+DAMPING_RANGE = (1e-4, 1e3)
 """Levenberg damping falls by 3 after a step that is kept and rises by 10 after one that is not, within this range."""
-GIVE = 1.05
-"""A step is kept if it raises the energy by no more than this factor: it also serves what is in no error, the shape of
-the control mesh. The driver keeps the best state."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,12 +43,14 @@ class Descent:
         Of the terms of the energy.
     bound
         The error that matters, as a share of the diagonal.
+    damping
+        Levenberg's, to begin with.
     """
 
-    def __init__(self, weights: TangentSettings, bound: float) -> None:
+    def __init__(self, weights: TangentSettings, bound: float, damping: float) -> None:
         self.weights = weights
         self.bound = bound
-        self.damping = weights.damping
+        self.damping = damping
 
     def moved(self, part: Part, insistence: float = 1.0) -> FitState:
         """The part's state after steps, each kept if it lowers the energy with new footpoints on both sides.
@@ -59,19 +58,21 @@ class Descent:
         `insistence` is a factor on the weight of the samples.
         """
         state, samples, curves = part.state, part.samples, part.curves
-        energy = merit(state, samples, curves, self.weights, self.bound, insistence)
+        energy, system = merit(state, samples, curves, self.weights, self.bound, insistence), None
         for _ in range(part.steps):
-            pulled = [reverse_rows(state, self.weights, samples, self.bound, insistence)]
-            pulled += [curve_reverse_rows(state, self.weights, found) for found in curves]
-            moved = state.moved(tangent_step(state, self.weights, self.damping, pulled, part.free))
+            if system is None:
+                pulled = [reverse_rows(state, self.weights, samples, self.bound, insistence)]
+                pulled += [curve_reverse_rows(state, self.weights, found) for found in curves]
+                system = tangent_system(state, self.weights, pulled, part.free)
+            moved = state.moved(state.surface.control_mesh.points + system.solve(self.damping))
             fresh = samples.renewed(moved.surface, state.data.target)
             left = merit(moved, fresh, curves, self.weights, self.bound, insistence)
-            if left > GIVE * energy:
+            if left > energy:
                 self.damping = min(self.damping * 10, DAMPING_RANGE[1])
                 continue
             self.damping = max(self.damping / 3, DAMPING_RANGE[0])
             gain = left / energy
-            state, samples, energy = moved, fresh, left
+            state, samples, energy, system = moved, fresh, left, None
             if gain > part.gain:
                 break
         return state

@@ -9,13 +9,14 @@ from subdfit.closest.curves import SurfaceCurves
 from subdfit.fit.places import Places
 from subdfit.fit.state import FitState
 from subdfit.limit.surface import LimitSurface
-from subdfit.limit.tessellate import grid_nodes, lattice
+from subdfit.limit.tessellate import lattice
 from subdfit.measure import reverse_segments
-from subdfit.schemes.domain import CORNERS, QUAD, TRIANGLE
+from subdfit.schemes.domain import CORNERS
 from subdfit.target.bvh import SegmentTree
 from subdfit.target.target import Target
 
 Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 SPARSE = 3
 """Faces and sides of curves with fewer points than this are sampled."""
@@ -28,22 +29,19 @@ CURVE_PLACES = np.array([0.25, 0.5, 0.75])
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Samples of a surface, each with the tangent plane of the distance to the target at its foot.
-
-    The planes serve surfaces near the one on which the samples were taken, as footpoints do on the other side.
+    """Samples of a surface, each with its direction to the nearest point of the target.
 
     Attributes
     ----------
     face, uv : (k,) int32 and (k, 2), where they lie.
-    foot, normal : (k, 3), the nearest point of the target, and the plane's unit normal there.
-    allowance : (k,), what the target's faceting allows.
+    normal : (k, 3), unit vectors towards the nearest point of the target.
+    gap : (k,), how far each lies off the target beyond what its faceting allows.
     """
 
     face: NDArray[np.int32]
     uv: Floats
-    foot: Floats
     normal: Floats
-    allowance: Floats
+    gap: Floats
 
     @classmethod
     def of(
@@ -54,62 +52,50 @@ class Samples:
             return cls.none()
         position = surface.evaluate(face, uv).position
         found = target.tree.closest(position)
-        allowance = target.sagitta[found.triangle]
-        far = slice(None) if bound is None else np.flatnonzero(found.distance - allowance > bound)
+        gap = found.distance - target.sagitta[found.triangle]
+        far = slice(None) if bound is None else np.flatnonzero(gap > bound)
         foot = target.on_triangles(found.triangle[far], found.uv[far])
         length = found.distance[far][:, None]
         normal = np.divide(foot - position[far], length, out=np.zeros_like(foot), where=length > TOUCHING)
-        return cls(face[far], np.ascontiguousarray(uv[far]), foot, normal, allowance[far])
+        return cls(face[far], np.ascontiguousarray(uv[far]), normal, np.maximum(gap[far], 0.0))
 
     @classmethod
     def none(cls) -> "Samples":
         """No samples."""
-        return cls(np.empty(0, np.int32), np.empty((0, 2)), np.empty((0, 3)), np.empty((0, 3)), np.empty(0))
+        return cls(np.empty(0, np.int32), np.empty((0, 2)), np.empty((0, 3)), np.empty(0))
 
     def renewed(self, surface: LimitSurface, target: Target) -> "Samples":
-        """The same samples with their feet on a surface that has moved."""
+        """The same samples on a surface that has moved."""
         return Samples.of(surface, target, self.face, self.uv)
 
     def __len__(self) -> int:
         """Number of samples."""
         return len(self.face)
 
-    def gaps(self, surface: LimitSurface) -> Floats:
-        """How far each lies off its plane beyond its allowance, towards the target, (k,); negative from behind."""
-        apart = self.foot - surface.evaluate(self.face, self.uv).position
-        height = np.einsum("kd,kd->k", apart, self.normal)
-        return np.asarray(np.sign(height) * np.maximum(np.abs(height) - self.allowance, 0.0))
-
-    def __getitem__(self, rows: NDArray[np.bool_]) -> "Samples":
+    def __getitem__(self, rows: Flags) -> "Samples":
         """Some of these."""
-        return Samples(self.face[rows], self.uv[rows], self.foot[rows], self.normal[rows], self.allowance[rows])
+        return Samples(self.face[rows], self.uv[rows], self.normal[rows], self.gap[rows])
 
     def joined(self, other: "Samples") -> "Samples":
         """These and others."""
         return Samples(
             np.concatenate([self.face, other.face]),
             np.concatenate([self.uv, other.uv]),
-            np.concatenate([self.foot, other.foot]),
             np.concatenate([self.normal, other.normal]),
-            np.concatenate([self.allowance, other.allowance]),
+            np.concatenate([self.gap, other.gap]),
         )
 
 
-def strays(surface: LimitSurface, target: Target, bound: float) -> Samples:
-    """Those of the certificate's samples that lie off the target by more than `bound` and the faceting there."""
-    grid = lattice(surface.domain, reverse_segments(surface.domain))
-    return Samples.of(surface, target, grid.face, grid.uv, bound)
+def strays(
+    surface: LimitSurface, target: Target, bound: float, cells: Flags | None = None, segments: int = 0
+) -> Samples:
+    """Those of the certificate's samples that lie off the target by more than `bound` and the faceting there.
 
-
-def strays_in(surface: LimitSurface, target: Target, bound: float, cells: NDArray[np.bool_]) -> Samples:
-    """The same for the flagged cells, (c,), alone."""
-    segments, found = reverse_segments(surface.domain), Samples.none()
-    for shape in (TRIANGLE, QUAD):
-        some = np.flatnonzero(cells & (surface.domain.shape == shape)).astype(np.int32)
-        places = np.array(grid_nodes(shape, segments)) / segments
-        uv = np.tile(places, (len(some), 1))
-        found = found.joined(Samples.of(surface, target, np.repeat(some, len(places)), uv, bound))
-    return found
+    Where `cells` (c,) are flagged, those of these alone; `segments` a cell's side, where given.
+    """
+    grid = lattice(surface.domain, segments or reverse_segments(surface.domain))
+    rows = slice(None) if cells is None else np.flatnonzero(cells[grid.face])
+    return Samples.of(surface, target, grid.face[rows], grid.uv[rows], bound)
 
 
 def inner_samples(surface: LimitSurface, target: Target, cells: NDArray[np.int64]) -> Samples:
@@ -159,7 +145,7 @@ def sparse_samples(state: FitState) -> Samples:
     return inner_samples(state.surface, state.data.target, np.flatnonzero(count[face] < SPARSE))
 
 
-def sparse_curve_samples(state: FitState, cells: NDArray[np.bool_]) -> list[CurveSamples]:
+def sparse_curve_samples(state: FitState, cells: Flags) -> list[CurveSamples]:
     """Samples of those sides of the flagged cells, (c,), that lie on curves and have few data points."""
     trees = (state.data.target.boundary_tree, state.data.target.crease_tree)
     samples = []

@@ -98,13 +98,13 @@ class FitState:
         distance[rows] = found.distance[rows]
         return replace(self, surface=surface, face=found.face, uv=found.uv, distance=distance).with_curves_of(surface)
 
-    def near(self, cells: NDArray[np.bool_]) -> tuple["FitState", NDArray[np.int64]]:
-        """The state of the points with a footpoint, on the surface or a curve, in the flagged cells; and their rows."""
+    def rows_in(self, cells: NDArray[np.bool_]) -> NDArray[np.int64]:
+        """Rows of the points with a footpoint, on the surface or a curve, in the flagged cells."""
         keep = cells[self.face]
         for found, rows in ((self.boundary, self.data.boundary), (self.crease, self.data.crease)):
             if found is not None:
                 keep[rows[cells[found.face]]] = True
-        return self._part(np.flatnonzero(keep))
+        return np.flatnonzero(keep)
 
     def _part(self, rows: NDArray[np.int64]) -> tuple["FitState", NDArray[np.int64]]:
         """The state of some points, rows ascending."""

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from subdfit.fit.changes import changed_cells
 from subdfit.fit.faults import large_enough
 from subdfit.fit.places import Places
-from subdfit.fit.reverse import Samples, strays, strays_in
+from subdfit.fit.reverse import Samples, strays
 from subdfit.fit.state import FitState
 from subdfit.limit.surface import LimitSurface
 
@@ -50,7 +50,7 @@ class Strays:
     def _carried_over(self, before: LimitSurface, found: Samples, state: FitState) -> Samples:
         changed = changed_cells(before, state.surface)
         kept = Samples.none() if changed.all() else found[~changed[found.face]]
-        return kept.joined(strays_in(state.surface, state.data.target, (self.bound or np.inf) / 2, changed))
+        return kept.joined(strays(state.surface, state.data.target, (self.bound or np.inf) / 2, changed))
 
     def worst(self, state: FitState) -> float:
         """How far a sample strays at most, in bounds; where that is within it, with nothing carried over."""
@@ -59,13 +59,13 @@ class Strays:
         return self._worst(state)
 
     def _worst(self, state: FitState) -> float:
-        return float(np.abs(self.samples(state).gaps(state.surface)).max(initial=0.0)) / (self.bound or np.inf)
+        return float(self.samples(state).gap.max(initial=0.0)) / (self.bound or np.inf)
 
     def faces(self, state: FitState) -> Faces:
         """Faces whose samples stray beyond the bound, or nearly; the farthest first."""
         found = self.samples(state)
         gap = np.zeros(state.surface.topology.face_count)
-        np.maximum.at(gap, Places(state.surface).face[found.face], np.abs(found.gaps(state.surface)))
+        np.maximum.at(gap, Places(state.surface).face[found.face], found.gap)
         order = np.argsort(-gap, kind="stable")
         return order[gap[order] > 0.9 * (self.bound or np.inf)]
 

@@ -5,6 +5,7 @@ and the few rows that make local points from control points.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
@@ -93,7 +94,6 @@ class System:
         self,
         surface: LimitSurface,
         rows: list[Rows],
-        damping: float,
         fairness: float,
         relaxation: float,
         free: Flags,
@@ -103,34 +103,32 @@ class System:
         self._local_t = surface.compiled.local_matrix_transposed
         self._points = surface.compiled.table.point_matrix.shape[0]
         self._count = surface.topology.vertex_count
-        lumped = self._to_control(self.rows.transposed(self.rows.metric, self._points))
-        trace = lumped[:, [0, 3, 5]].sum(axis=1)
-        mean = float(trace[free].mean()) / 3 if free.any() else 0.0
-        self._damping = damping * trace[:, None] / 3 + 1e-9 * mean
-        self._fairness = fairness * mean
-        self._relaxation = relaxation * mean
+        self._lumped = self._to_control(self.rows.transposed(self.rows.metric, self._points))
+        self._trace = self._lumped[:, [0, 3, 5]].sum(axis=1)
+        self._mean = float(self._trace[free].mean()) / 3 if free.any() else 0.0
+        self._fairness = fairness * self._mean
+        self._relaxation = relaxation * self._mean
         t = surface.topology
         self._laplacian = umbrella(t.edge_vertices, t.sharpness > 0, t.vertex_count)
         self._normals = Places(surface).normals()
-        self._inverse = self._blocks(lumped)
         self._control = surface.control_mesh.points
-        self._inverse[~free] = 0.0
+        self._free = free
 
     def _to_control(self, values: Floats) -> Floats:
         return np.asarray(values[: self._count] + self._local_t @ values[self._count :])
 
-    def _blocks(self, lumped: Floats) -> Floats:
-        """Inverse of the lumped 3 x 3 blocks: the preconditioner."""
-        blocks = lumped[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].reshape(-1, 3, 3)
-        diagonal = self._damping + 1.2 * (self._fairness + self._relaxation)
-        blocks = blocks + diagonal[:, :, None] * np.eye(3)
-        inverse: Floats = np.linalg.inv(blocks)
+    def _preconditioner(self, damping: Floats) -> Floats:
+        """Inverse of the lumped 3 x 3 blocks, zero for vertices that are held."""
+        blocks = self._lumped[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].reshape(-1, 3, 3)
+        diagonal = damping + 1.2 * (self._fairness + self._relaxation)
+        inverse = np.asarray(np.linalg.inv(blocks + diagonal[:, :, None] * np.eye(3)), np.float64)
+        inverse[~self._free] = 0.0
         return inverse
 
-    def product(self, x: Floats) -> Floats:
+    def product(self, x: Floats, damping: Floats) -> Floats:
         """The system's matrix times (n, 3)."""
         everywhere = np.concatenate([x, self._local @ x])
-        out = self._damping * x + self._to_control(self.rows.product(everywhere))
+        out = damping * x + self._to_control(self.rows.product(everywhere))
         bent = self._laplacian @ x
         out += self._laplacian.T @ (self._fairness * bent + self._relaxation * self._along(bent))
         return np.asarray(out)
@@ -140,6 +138,7 @@ class System:
         normal = self._normals
         return np.asarray(vectors - np.einsum("nd,nd->n", vectors, normal)[:, None] * normal)
 
+    @cached_property
     def right_side(self) -> Floats:
         """W^T D e of all terms."""
         m, e = self.rows.metric, self.rows.residual
@@ -154,21 +153,26 @@ class System:
         out -= self._relaxation * (self._laplacian.T @ self._along(self._laplacian @ self._control))
         return out
 
-    def solve(self, tolerance: float = 5e-2, iterations: int = 30) -> Floats:
-        """Displacements by preconditioned conjugate gradients, to a relative residual of `tolerance`."""
+    def solve(self, damping: float, tolerance: float = 5e-2, iterations: int = 30) -> Floats:
+        """Displacements by preconditioned conjugate gradients, to a relative residual of `tolerance`.
+
+        `damping` is Levenberg's, against each control vertex's own weight.
+        """
+        damped: Floats = damping * self._trace[:, None] / 3 + 1e-9 * self._mean
+        inverse = self._preconditioner(damped)
         x = np.zeros((self._count, 3))
-        residual = self.right_side()
-        z = np.einsum("nij,nj->ni", self._inverse, residual)
+        residual = self.right_side
+        z = np.einsum("nij,nj->ni", inverse, residual)
         direction, rho = z, float(np.sum(residual * z))
         bound = tolerance**2 * rho
         for _ in range(iterations):
             if rho <= bound or rho <= 0:
                 break
-            image = self.product(direction)
+            image = self.product(direction, damped)
             step = rho / float(np.sum(direction * image))
             x = x + step * direction
             residual = residual - step * image
-            z = np.einsum("nij,nj->ni", self._inverse, residual)
+            z = np.einsum("nij,nj->ni", inverse, residual)
             rho, before = float(np.sum(residual * z)), rho
             direction = z + (rho / before) * direction
         return x

@@ -54,20 +54,13 @@ class TangentSettings:
     damping: float = 1e-3
 
 
-def tangent_step(
-    state: FitState,
-    settings: TangentSettings,
-    damping: float,
-    reverse: list[Rows],
-    free: NDArray[np.bool_],
-) -> Floats:
-    """Control points after one damped step from `state`, (n, 3).
+def tangent_system(state: FitState, settings: TangentSettings, reverse: list[Rows], free: NDArray[np.bool_]) -> System:
+    """The system of one step from `state`.
 
     The `reverse` terms are added to those of the data; vertices that are not `free`, (n,), stay.
     """
     rows = [surface_rows(state, settings), *curve_rows(state, settings), *reverse]
-    system = System(state.surface, rows, damping, settings.fairness, settings.relaxation, free)
-    return state.surface.control_mesh.points + system.solve()
+    return System(state.surface, rows, settings.fairness, settings.relaxation, free)
 
 
 def surface_rows(state: FitState, settings: TangentSettings) -> Rows:
@@ -101,9 +94,10 @@ def curve_rows(state: FitState, settings: TangentSettings) -> list[Rows]:
 
 def reverse_rows(state: FitState, settings: TangentSettings, samples: Samples, bound: float, insistence: float) -> Rows:
     """Rows that draw samples of the surface to what the target's faceting allows."""
-    gaps = samples.gaps(state.surface)
-    metric = _direction_metric(samples.normal, insistence * pull(gaps, settings, bound), settings.tangential)
-    return Rows(*state.surface.patch_weights(samples.face, samples.uv), metric, gaps[:, None] * samples.normal)
+    weight = insistence * pull(samples.gap, settings, bound)
+    metric = _direction_metric(samples.normal, weight, settings.tangential)
+    residual = samples.gap[:, None] * samples.normal
+    return Rows(*state.surface.patch_weights(samples.face, samples.uv), metric, residual)
 
 
 def curve_reverse_rows(state: FitState, settings: TangentSettings, samples: CurveSamples) -> Rows:
@@ -164,5 +158,5 @@ def merit(
         if curve is not None
     )
     between = sum(settings.curve_reverse * float(np.sum(found.gaps(state.surface) ** 2)) for found in on_curves)
-    gaps = samples.gaps(state.surface)
-    return float(np.sum(inside) + curves + between + insistence * np.sum(pull(gaps, settings, bound) * gaps**2))
+    strayed = insistence * np.sum(pull(samples.gap, settings, bound) * samples.gap**2)
+    return float(np.sum(inside) + curves + between + strayed)

@@ -152,8 +152,7 @@ class Thinning:
         free = np.ones(topology.vertex_count, np.bool_)
         if self.settings.fixed_boundary:
             free[topology.edge_vertices[topology.boundary_edges].ravel()] = False
-        descent = Descent(TangentSettings(), self._bound)
-        descent.damping = DAMPING
+        descent = Descent(TangentSettings(), self._bound, DAMPING)
         part = Part(some, samples, sparse_curve_samples(some, cells), free, STEPS, GAIN)
         return state.followed(descent.moved(part), rows)
 
@@ -170,7 +169,7 @@ class Thinning:
             if found is not None:
                 np.maximum.at(worst, places.face[found.face], found.distance)
         samples = self._strays(after)
-        np.maximum.at(worst, places.face[samples.face], np.abs(samples.gaps(after.surface)))
+        np.maximum.at(worst, places.face[samples.face], samples.gap)
         power = 1 if self.settings.tolerance.rms is None else 2
         vertices = slice(0, after.data.vertices)
         grown = after.distance[vertices] ** power - before.distance[vertices] ** power
@@ -183,7 +182,7 @@ class Thinning:
         if not within(state, tolerance):
             return False
         if tolerance.max is not None:
-            return float(np.abs(self._strays(state).gaps(surface)).max(initial=0.0)) <= tolerance.max
+            return float(self._strays(state).gap.max(initial=0.0)) <= tolerance.max
         grid = lattice(surface.domain, reverse_segments(surface.domain))
         distance = state.data.target.tree.closest(surface.evaluate(grid.face, grid.uv).position).distance
         return tolerance.met(np.inf, float(np.sqrt(np.mean(distance**2))), float(distance.mean()))

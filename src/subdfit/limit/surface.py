@@ -1,6 +1,6 @@
 """The limit surface of a control mesh under a scheme: linear in the control points, exact everywhere."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -120,6 +120,12 @@ class LimitSurface:
         """Return the surface of the same connectivity with other control points, without compiling it again."""
         other = object.__new__(type(self))
         other._set(self.compiled, self.control_mesh.with_points(points))
+        return other
+
+    def with_domain(self, domain: Domain) -> "LimitSurface":
+        """Return the same surface, whose cells join as another domain says, without compiling it again."""
+        other = object.__new__(type(self))
+        other._set(replace(self.compiled, domain=domain), self.control_mesh)
         return other
 
     @cached_property

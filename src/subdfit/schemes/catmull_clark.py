@@ -25,6 +25,7 @@ class CatmullClark:
 
     name: str = "catmull-clark"
     faces: Faces = "polygons"
+    whole_curves: bool = False
 
     def validate(self, topology: Topology) -> None:
         """Take every mesh; an inner vertex of two faces is a point of the surface without a tangent plane."""

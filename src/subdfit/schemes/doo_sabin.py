@@ -38,6 +38,7 @@ class DooSabin:
     name: str = "doo-sabin"
     averaging: bool = False
     faces: Faces = "polygons"
+    whole_curves: bool = True
 
     def validate(self, topology: Topology) -> None:
         """Raise InputError for semi-sharp tags, and for corners on no curve or where creases end inside the surface."""

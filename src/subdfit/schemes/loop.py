@@ -28,6 +28,7 @@ class Loop:
 
     name: str = "loop"
     faces: Faces = "triangles"
+    whole_curves: bool = False
 
     def validate(self, topology: Topology) -> None:
         """Raise InputError unless all faces are triangles and all inner valences 3 or more."""

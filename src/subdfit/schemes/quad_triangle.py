@@ -32,6 +32,7 @@ class QuadTriangle:
 
     name: str = "quad-triangle"
     faces: Faces = "mixed"
+    whole_curves: bool = False
 
     def validate(self, topology: Topology) -> None:
         """Raise InputError unless all inner valences are 3 or more."""

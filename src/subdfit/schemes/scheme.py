@@ -79,6 +79,11 @@ class Scheme(Protocol):
         """The faces it takes, and so those of the first control mesh of a fit."""
         ...
 
+    @property
+    def whole_curves(self) -> bool:
+        """Whether its masks beside a sharp curve depend on the whole curve, rather than on the faces round a vertex."""
+        ...
+
     def validate(self, topology: Topology) -> None:
         """Raise InputError where the scheme cannot take this connectivity."""
         ...
