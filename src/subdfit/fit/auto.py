@@ -27,8 +27,8 @@ ENOUGH = 8
 of all points."""
 CAP = 0.25
 """Most triangles, as a share, that one adaptation refines for their error."""
-POLYGON_CAP = CAP / 4
-"""The same for other faces: one is as large as two triangles, and to cut it takes two vertices or three."""
+POLYGON_CAP = CAP / 6
+"""The same for other faces: one is as large as two triangles, and to cut it takes about three vertices."""
 MISSING = 0.7
 """Share of the vertices that seem to be missing for mean and rms, which one adaptation adds."""
 FEW = 0.01

@@ -15,8 +15,8 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Rows = NDArray[np.int64]
 
-FLAT = 0.05
-"""Share of a side's length that counts as bend, so that flat faces are cut across their longer sides."""
+FLAT = 0.4
+"""Share of a side's length that counts as bend: faces are cut across longer sides, unless others bend far more."""
 INDUCED = 3
 """Vertices more that it costs to halve a side which is half of the neighbour's: that is then cut as well."""
 
