@@ -88,6 +88,16 @@ def test_refining_barely_moves_the_surface(scheme: str, ball: Target) -> None:
 
 
 @OTHERS
+def test_refining_carries_footpoints_to_where_a_search_finds_them(scheme: str, ball: Target, dome: Target) -> None:
+    """All but a few beside a coarse boundary, where there are several nearest points."""
+    for target in (ball, dome):
+        state = state_of(target, scheme, 150)
+        finer = refined(state, cutting_sides(state, np.arange(0, state.surface.topology.face_count, 7)))
+        anew = FitState.start(state.data, finer.surface)
+        assert np.mean(np.abs(finer.distance - anew.distance) > 1e-6) < 2e-3
+
+
+@OTHERS
 def test_limits_are_put_where_they_are_wanted(scheme: str, dome: Target) -> None:
     mesh = state_of(dome, scheme, 100).surface.control_mesh
     wanted = mesh.points

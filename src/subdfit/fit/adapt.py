@@ -13,6 +13,7 @@ from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.mesh.editor import Frozen, MeshEditor, Split
 from subdfit.mesh.polygon_refinement import refine_polygons
 from subdfit.schemes import Scheme
+from subdfit.schemes.domain import TRIANGLE, Domain
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -100,14 +101,58 @@ def _control_mesh(frozen: Frozen, scheme: str) -> ControlMesh:
 
 
 def _refined_polygons(state: FitState, sides: Flags) -> FitState:
-    """Cut faces by templates; all footpoints are found anew."""
+    """Cut faces by templates; footpoints are carried along."""
     coarse, scheme = state.surface, state.surface.scheme
     found = refine_polygons(coarse.control_mesh, sides, polygons=scheme.faces == "polygons")
     places = Places(coarse)
     limits = np.concatenate([places.vertices(), places.middles(found.halved), places.centres(found.centred)])
     points = settled(found.mesh, scheme, limits)
-    mesh = ControlMesh(found.mesh.topology, points, scheme.name)
-    return FitState.start(state.data, LimitSurface(mesh, scheme))
+    fine = LimitSurface(ControlMesh(found.mesh.topology, points, scheme.name), scheme)
+    return FitState.follow(state.data, fine, *_carried(state, fine, found.parent))
+
+
+def _carried(state: FitState, fine: LimitSurface, parent: Rows) -> tuple[NDArray[np.int32], Floats]:
+    """Where footpoints begin on a refined surface: where they were, or in the nearest cell that is part of their face.
+
+    `parent` (f,) is the face that each finer one is a part of.
+    """
+    coarse = state.surface
+    cell, uv = _kept_cells(coarse, fine, parent)[state.face], state.uv.copy()
+    middles = _middles(fine.domain)
+    position = fine.evaluate(np.arange(fine.domain.face_count), middles).position
+    parts = np.argsort(parent[Places(fine).face], kind="stable")
+    count = np.bincount(parent[Places(fine).face], minlength=coarse.topology.face_count)
+    begin = np.cumsum(count) - count
+    other = np.flatnonzero(cell < 0)
+    face = Places(coarse).face[state.face[other]]
+    point = np.repeat(other, count[face])
+    place = np.arange(len(point)) - np.repeat(np.cumsum(count[face]) - count[face] - begin[face], count[face])
+    distance = np.linalg.norm(position[parts[place]] - state.data.points[point], axis=1)
+    order = np.lexsort((distance, point))
+    nearest = order[np.r_[True, point[order][1:] != point[order][:-1]]]
+    cell[other] = parts[place[nearest]]
+    uv[other] = middles[cell[other]]
+    return cell.astype(np.int32), uv
+
+
+def _kept_cells(coarse: LimitSurface, fine: LimitSurface, parent: Rows) -> Rows:
+    """The cell of the finer surface that each of the coarse one is, (cells,); -1 in faces that were cut or changed."""
+    old, new = coarse.topology, fine.topology
+    child = np.searchsorted(parent, np.arange(old.face_count))
+    first, then = old.face_offsets[:-1], new.face_offsets[child]
+    kept = np.bincount(parent, minlength=old.face_count) == 1
+    kept &= np.diff(old.face_offsets) == np.diff(new.face_offsets)[child]
+    kept &= old.face_vertices[first] == new.face_vertices[then]
+    cell = np.full(len(new.twin), -1)
+    cell[fine.domain.half_edge] = np.arange(fine.domain.face_count)
+    half_edge, face = coarse.domain.half_edge, Places(coarse).face
+    return np.where(kept[face], cell[np.where(kept[face], half_edge + (then - first)[face], 0)], -1)
+
+
+def _middles(domain: Domain) -> Floats:
+    """Parameters of the middle of each cell, (cells, 2)."""
+    middle = np.where(domain.shape == TRIANGLE, 1 / 3, 1 / 2)
+    return np.column_stack([middle, middle])
 
 
 def settled(mesh: ControlMesh, scheme: Scheme, limits: Floats) -> Floats:

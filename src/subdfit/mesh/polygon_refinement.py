@@ -44,11 +44,13 @@ class Refined:
     mesh : the finer mesh; new vertices lie in the middle of their edge's ends or their face's corners.
     halved : (k,) int64, one half-edge of the old mesh for each new vertex on an edge.
     centred : (c,) int64, the old face of each new vertex inside one.
+    parent : (f,) int64, the old face that each new one is a part of.
     """
 
     mesh: ControlMesh
     halved: Rows
     centred: Rows
+    parent: Rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,9 +221,12 @@ def _assembled(
             ring = _ring(t, group, rows, part, middle, centre)
             face.append(group.faces[rows])
             corners.append(np.pad(ring, ((0, 0), (0, width - ring.shape[1])), constant_values=-1))
-    rows = np.concatenate(corners)[np.argsort(np.concatenate(face), kind="stable")]
+    parent = np.concatenate(face)
+    order = np.argsort(parent, kind="stable")
+    rows = np.concatenate(corners)[order]
     offsets = np.concatenate([[0], np.cumsum((rows >= 0).sum(axis=1))])
-    return Refined(_tagged(mesh, halved, centred, groups, offsets, rows[rows >= 0]), halved, centred)
+    finer = _tagged(mesh, halved, centred, groups, offsets, rows[rows >= 0])
+    return Refined(finer, halved, centred, parent[order])
 
 
 def _cuts(group: Sides, marked: Flags, polygons: bool) -> Iterator[tuple[Rows, list[Slots]]]:
