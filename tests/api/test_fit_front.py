@@ -186,7 +186,5 @@ def test_points_that_cannot_be_used(sphere):
         subdfit.fit(with_bad_point(sphere[0]))
     with pytest.raises(InputError, match="lie on a surface"):
         subdfit.fit(np.linspace(0, 1, 90).reshape(30, 3))
-    with pytest.raises(InputError, match="no holes"):
-        subdfit.fit(sphere[0], fill_holes=5)
     with pytest.raises(InputError, match="no points"):
         subdfit.fit(np.empty((0, 3)))

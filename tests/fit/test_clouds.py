@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import subdfit
+from subdfit.api.measuring import compare
 from subdfit.fit.data import FitData
 from subdfit.fit.state import FitState
 from subdfit.fit.tangent import huber
@@ -119,6 +120,39 @@ def test_an_open_surface_covers_its_ragged_boundary():
     assert result.control_mesh.points[:, 2].min() > -0.15
 
 
+def test_holes_of_the_surface_through_the_points_are_closed():
+    points = random_sphere(800)
+    points = points[points[:, 2] < 0.9]
+    filled = subdfit.fit(points, max_error="2%", fill_holes=100)
+    assert filled.certified
+    assert len(filled.distances) == len(points)
+    topology = filled.control_mesh.topology
+    assert topology.vertex_count - topology.edge_count + topology.face_count == 2
+    found = subdfit.measure(filled.control_mesh, points, fill_holes=100)
+    np.testing.assert_allclose(found.reverse_max, filled.measurement.reverse_max, rtol=1e-6)
+
+
+def test_what_strays_between_the_points_is_not_certified():
+    """A control vertex is lifted that moves the surface only where there are no points."""
+    points = random_sphere(1000)
+    points = points[np.linalg.norm(points - [0, 0, 1], axis=1) > 0.2]
+    cage = subdfit.subdivide(subdfit.fit(points, max_error="1%", robust=0).control_mesh, 3)
+    lifted = cage.points.copy()
+    lifted[np.argmax(lifted[:, 2])] *= 1.2
+    sound, crumpled = (compare(cage.with_points(p), points, max_error="1%") for p in (cage.points, lifted))
+    assert sound.certified
+    assert crumpled.status == "within_tolerance"
+    assert not crumpled.certified
+
+
+def test_beyond_a_ragged_rim_the_surface_may_reach_for_the_next_point():
+    """Feet on the rim are allowed its edge, others the sagitta, which is 0 on a plane."""
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [3, 3, 0]], float)
+    target = cloud_target(points, [[0, 1, 2], [2, 1, 3]])
+    found = target.tree.closest(np.array([[0.3, -0.2, 0.0], [0.2, 0.3, 0.1], [1.0, 1.0, 0.2], [4.0, 4.0, 0.0]]))
+    np.testing.assert_allclose(target.allowance(found), [1, 0, 0, np.sqrt(13)], atol=1e-12)
+
+
 @pytest.mark.parametrize("bound", [0.5, None])
 def test_outliers_are_the_worst_beyond_the_bound_and_no_more_than_allowed(bound):
     distance = np.abs(np.random.default_rng(2).standard_normal(1000)) * 0.1
@@ -155,7 +189,9 @@ def test_points_off_the_triangles_count_and_are_suspects(ball):
 def test_real_clouds(meshes):
     smooth = subdfit.fit(meshes / "kitten_points.ply", max_error="0.2%")
     noisy = subdfit.fit(meshes / "mechpart_points_synthetic_noisy.ply", rms_error="0.25%")
-    for result, most in ((smooth, 500), (noisy, 900)):
+    sparse = subdfit.fit(meshes / "cactus_points.ply", max_error="0.2%", scheme="doo-sabin")
+    assert sparse.measurement.reverse_max < 0.005
+    for result, most in ((smooth, 500), (noisy, 900), (sparse, 300)):
         assert result.certified
         assert result.control_mesh.topology.vertex_count <= most
         assert len(result.measurement.excluded) <= 0.005 * len(result.target.points)

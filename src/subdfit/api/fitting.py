@@ -51,7 +51,7 @@ def fit(
     """Fit a control mesh whose limit surface lies within a tolerance of the target.
 
     A cloud of points is joined to a mesh first (see `subdfit.reconstruct`), which serves to begin with and as a guide
-    between the points; fitted and certified is to the points.
+    between the points; the points are the data, and the reverse side is held to the mesh.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def fit(
         Keep so many of the largest components; of a cloud, those of the surface through its points, and the points near
         them.
     fill_holes
-        Close holes of at most so many edges.
+        Close holes of at most so many edges; of a cloud, those of the surface through its points.
     robust
         Share of the data points that may be left out as outliers, such as ``"0.5%"``: the worst of those beyond the
         largest error asked (beyond four standard deviations where none is); the result lists them. None is 0.5 % for

@@ -1,5 +1,6 @@
 """`subdfit.measure`: two-sided errors of any control mesh against any target."""
 
+import logging
 import time
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
@@ -9,9 +10,10 @@ from subdfit.api.fitting import elapsed, shares, tolerances
 from subdfit.api.lengths import parse_bytes
 from subdfit.api.result import tolerance_dict
 from subdfit.api.sources import MeshSource
-from subdfit.api.targets import Preparation, joined, prepare, stages
+from subdfit.api.targets import Preparation, Prepared, joined, prepare, stages
 from subdfit.api.workers import workers
 from subdfit.compiled import compile_clock
+from subdfit.errors import InputError
 from subdfit.fit.result import errors_dict, mesh_counts
 from subdfit.fit.settings import FitSettings
 from subdfit.limit.surface import LimitSurface
@@ -20,6 +22,8 @@ from subdfit.measure import measure as measure_inside
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.target.frame import Frame
 from subdfit.target.target import Target
+
+logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +59,7 @@ class Comparison:
     @property
     def certified(self) -> bool:
         """Whether a tolerance was asked and holds on both sides."""
-        return self.status is not None and self.measurement.certifies(self.tolerance, cloud=not self.target.is_mesh)
+        return self.status is not None and self.measurement.certifies(self.tolerance)
 
     def to_dict(self) -> dict[str, Any]:
         """The object that ``measure --json`` writes: a fit's, without history."""
@@ -96,7 +100,8 @@ def measure(
     control_mesh
         A `ControlMesh`, or a path or object that holds one.
     target
-        As for `subdfit.fit`; with points alone the reverse side is their distance from samples of the surface.
+        As for `subdfit.fit`; the reverse side of a cloud is measured to the surface through its points, or to the
+        points themselves where there is none.
     scheme
         Overrides the control mesh's own; None takes that, else Loop for triangles.
     creases, repair, keep_components, fill_holes, threads, memory
@@ -149,14 +154,23 @@ def compare(
     with workers(threads):
         stages.info("reading")
         mesh = control_mesh_of(control_mesh, scheme)
-        ready = prepare(target, how)
-        if how.keep_components is not None:
-            ready = joined(ready, how)
+        ready = _joined(prepare(target, how), how)
         clock = time.perf_counter()
         stages.info("measuring")
         found = _measured(mesh, ready.target)
     seconds = ready.seconds | {"measure": time.perf_counter() - clock} | elapsed(begun, compiled)
     return Comparison(mesh, ready.target, found, shares(lengths, found.diagonal), asked, seconds, unit)
+
+
+def _joined(ready: Prepared, how: Preparation) -> Prepared:
+    """A cloud with the surface through its points, where there is one; only then is it known what lies between them."""
+    try:
+        return joined(ready, how)
+    except InputError as error:
+        if how.keep_components is not None or how.fill_holes is not None:
+            raise
+        logger.warning("%s; the reverse side is measured to the points", error)
+        return ready
 
 
 def _measured(mesh: ControlMesh, target: Target) -> Measurement:

@@ -34,7 +34,7 @@ class Preparation:
     ----------
     creases : ``auto`` takes the creases that the file tags, else edges that are surely sharp; ``none``; or degrees.
     repair, keep_components, fill_holes : what may be changed; None leaves all components and holes. A cloud's
-        components are those of the surface through its points.
+        components and holes are those of the surface through its points.
     memory : bytes, or None.
     """
 
@@ -90,18 +90,12 @@ def prepare(given: MeshSource, how: Preparation) -> Prepared:
     clock = time.perf_counter()
     stages.info("mending")
     mended = mend(data, repair=how.repair, name=name).data
-    target = _mesh(mended, how, name) if mended.face_count else _cloud(mended, how, name)
+    target = _mesh(mended, how, name) if mended.face_count else point_target(mended.points, mended.normals)
     return Prepared(target, name, {"read": read, "prepare": time.perf_counter() - clock})
 
 
-def _cloud(data: MeshData, how: Preparation, name: str) -> Target:
-    if how.fill_holes is not None:
-        raise InputError(f"{name}: has points only, and so no holes; leave fill_holes out")
-    return point_target(data.points, data.normals)
-
-
 def joined(ready: Prepared, how: Preparation) -> Prepared:
-    """A cloud with the triangles that guide a fit to it, cut down to its largest components; meshes as they are.
+    """A cloud with the triangles that guide a fit to it, cut down and closed as asked; meshes as they are.
 
     Raises
     ------
@@ -115,8 +109,12 @@ def joined(ready: Prepared, how: Preparation) -> Prepared:
     points, normals = ready.target.points, ready.target.normals
     found = reconstruct(points, normals if normals.any() else None, name=ready.name)
     kept = largest_of_cloud(found, how.keep_components, ready.name)
+    used = _near(points, found, kept)
+    guide, triangles = _closed(kept.points, kept.triangles, how, ready.name)
+    added = guide[len(kept.points) :]
+    rows = np.concatenate([kept.point_rows, len(points) + np.arange(len(added))])
     sharp: Creases = "none" if how.creases == "auto" else how.creases
-    target = cloud_target(points, kept.point_rows[kept.triangles], creases=sharp, used=_near(points, found, kept))
+    target = cloud_target(np.concatenate([points, added]), rows[triangles], creases=sharp, used=used)
     return Prepared(target, ready.name, ready.seconds | {"reconstruct": time.perf_counter() - clock})
 
 
@@ -137,13 +135,21 @@ def _mesh(data: MeshData, how: Preparation, name: str) -> Target:
         points, triangles = kept.points, kept.triangles
         stays = min(how.keep_components, kept.component_count)
         logger.info("%s: kept %d of %d components", name, stays, kept.component_count)
-    if how.fill_holes is not None:
-        filled = fill_holes(points, triangles, how.fill_holes)
-        points, triangles = filled.points, filled.triangles
-        logger.info("%s: closed %d holes, left %d boundary loops open", name, filled.filled, filled.left)
+    points, triangles = _closed(points, triangles, how, name)
     tagged = _tagged_creases(data, rows) if how.creases == "auto" else np.empty((0, 2), np.int64)
     target = mesh_target(points, triangles, creases="none" if len(tagged) else how.creases)
     return replace(target, crease_edges=tagged) if len(tagged) else target
+
+
+def _closed(
+    points: NDArray[np.float64], triangles: NDArray[np.int64], how: Preparation, name: str
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Points, new ones at the end, and triangles with holes closed where that is asked."""
+    if how.fill_holes is None:
+        return points, triangles
+    filled = fill_holes(points, triangles, how.fill_holes)
+    logger.info("%s: closed %d holes, left %d boundary loops open", name, filled.filled, filled.left)
+    return filled.points, filled.triangles
 
 
 def _tagged_creases(data: MeshData, rows: NDArray[np.int64]) -> NDArray[np.int64]:

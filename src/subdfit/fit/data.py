@@ -45,8 +45,8 @@ class FitData:
             points = np.concatenate([points, target.on_triangles(triangle, uv)])
             if len(triangle):
                 allowance = np.concatenate([allowance, target.sagitta[triangle]])
-        boundary = np.unique(row[target.boundary_edges])
-        crease = np.setdiff1d(np.unique(row[target.crease_edges]), boundary)
+        boundary = _known(row[target.boundary_edges])
+        crease = np.setdiff1d(_known(row[target.crease_edges]), boundary)
         return cls(points, len(used), allowance, boundary, crease, target)
 
     def subset(self, rows: NDArray[np.int64]) -> "FitData":
@@ -100,3 +100,8 @@ class FitData:
         if self.target.cloud:
             inside[self.boundary] = True
         return inside
+
+
+def _known(rows: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Each once; without -1, which stands for what is no data, such as the middle of a hole that was closed."""
+    return np.unique(rows[rows >= 0])

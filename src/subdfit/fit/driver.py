@@ -197,16 +197,14 @@ def _iterate(run: _Run, state: FitState, fitter: Fitter) -> tuple[FitState, Meas
 
 def _thinned(run: _Run, state: FitState, measurement: Measurement, fitter: Fitter) -> tuple[FitState, Measurement]:
     """The lightest fit with a certificate; the given one, which is measured, where there is none."""
-    tolerance, cloud = run.settings.tolerance, run.target.cloud
+    tolerance = run.settings.tolerance
     lighter = []
     for found in Thinning(run.settings).lighter(state):
         run.record("thin", found, fitter)
         lighter.append(found)
     for found in reversed(lighter):
         measured = _measured(run, found)
-        if measured.certifies(tolerance, cloud) or (
-            measured.meets(tolerance) and not measurement.certifies(tolerance, cloud)
-        ):
+        if measured.certifies(tolerance) or (measured.meets(tolerance) and not measurement.certifies(tolerance)):
             return found, measured
     return state, measurement
 
@@ -232,7 +230,7 @@ def _measured(run: _Run, state: FitState) -> Measurement:
 
 def _result(run: _Run, state: FitState, measurement: Measurement, interrupted: bool, unit: str | None) -> FitResult:
     tolerance = run.settings.tolerance
-    certified = measurement.certifies(tolerance, cloud=run.target.cloud)
+    certified = measurement.certifies(tolerance)
     status: Status = (
         "interrupted" if interrupted else ("within_tolerance" if measurement.meets(tolerance) else "best_effort")
     )

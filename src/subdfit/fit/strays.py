@@ -39,7 +39,7 @@ class Strays:
     def samples(self, state: FitState) -> Samples:
         """Samples of the surface that stray by half the bound or more; only those of changed cells are found anew."""
         surface, target = state.surface, state.data.target
-        if self.bound is None or target.cloud:
+        if self.bound is None:
             return Samples.none()
         if self._seen is None:
             self._seen, self._carried = (surface, strays(surface, target, self.bound / 2)), False

@@ -54,11 +54,13 @@ class Measurement:
     Attributes
     ----------
     max, rms, mean : data points (the target's used vertices) to the limit surface.
-    reverse_max, reverse_rms, reverse_mean : samples of the surface to the target's faces (a cloud: to its points).
+    reverse_max, reverse_rms, reverse_mean : samples of the surface to the target's faces (points alone: to these).
     boundary, crease : the target's curve points to the surface's curves; None where either has none.
     faceting : the largest sagitta of the target's faces.
     samples_excess : how far samples inside large faces lie off beyond their face's sagitta, at most.
-    reverse_excess : how far samples of the surface lie off beyond the sagitta of the face they meet, at most.
+    reverse_excess : how far samples of the surface lie off beyond the allowance of the face they meet, at most.
+    reverse_held : rms and mean that the tolerance applies to where no largest error is asked: of a mesh those of the
+        reverse side, of a cloud, whose faces are our own making, those beyond their allowance.
     footpoints : of the data points, in the normalised frame.
     diagonal : in the caller's unit.
     excluded : rows of `footpoints` that max, rms and mean leave out as outliers.
@@ -75,6 +77,7 @@ class Measurement:
     faceting: float
     samples_excess: float
     reverse_excess: float
+    reverse_held: tuple[float, float]
     footpoints: Projection
     diagonal: float
     excluded: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
@@ -84,18 +87,16 @@ class Measurement:
         inside = tolerance.max is None or self.samples_excess <= tolerance.max
         return inside and tolerance.met(self.max, self.rms, self.mean)
 
-    def certifies(self, tolerance: Tolerance, cloud: bool = False) -> bool:
-        """Whether the surface lies within the tolerance on both sides (of a point cloud: on the data's side).
+    def certifies(self, tolerance: Tolerance) -> bool:
+        """Whether the surface lies within the tolerance on both sides.
 
-        Where no largest error is asked, the reverse side is held to the mean and rms, without regard to faceting.
+        Where no largest error is asked, the reverse side is held to the mean and rms (see `reverse_held`).
         """
         if not self.meets(tolerance):
             return False
-        if cloud:
-            return True
         bound = tolerance.max
         if bound is None:
-            return tolerance.met(self.reverse_max, self.reverse_rms, self.reverse_mean)
+            return tolerance.met(self.reverse_max, *self.reverse_held)
         return self.reverse_excess <= bound
 
 
@@ -121,19 +122,23 @@ def measure(
     data = projector.certain(target.points[target.used])
     excluded = outliers(data.distance, allowed.share, allowed.bound)
     distance = np.delete(data.distance, excluded)
-    reverse, reverse_allowance = _reverse(surface, target)
+    reverse, allowance = _reverse(surface, target)
+    rms, mean = _rms_and_mean(distance)
+    reverse_rms, reverse_mean = _rms_and_mean(reverse)
+    held = np.maximum(reverse - allowance, 0.0) if target.cloud else reverse
     return Measurement(
         max=float(distance.max()),
-        rms=float(np.sqrt(np.mean(distance**2))),
-        mean=float(distance.mean()),
+        rms=rms,
+        mean=mean,
         reverse_max=float(reverse.max()),
-        reverse_rms=float(np.sqrt(np.mean(reverse**2))),
-        reverse_mean=float(reverse.mean()),
+        reverse_rms=reverse_rms,
+        reverse_mean=reverse_mean,
         boundary=None if target.cloud else _curve_errors(surface, target, inner=False),
         crease=_curve_errors(surface, target, inner=True),
-        faceting=float(target.sagitta.max(initial=0.0)) if target.is_mesh and not target.cloud else 0.0,
+        faceting=float(target.sagitta.max()) if target.is_mesh else 0.0,
         samples_excess=_samples_excess(projector, target, spacing),
-        reverse_excess=float((reverse - reverse_allowance).max()),
+        reverse_excess=float((reverse - allowance).max()),
+        reverse_held=_rms_and_mean(held),
         footpoints=data,
         diagonal=diagonal,
         excluded=excluded,
@@ -151,14 +156,18 @@ def reverse_segments(domain: Domain) -> int:
     return max(int(np.sqrt(wanted / max(quads, 1.0))), 1)
 
 
+def _rms_and_mean(distance: Floats) -> tuple[float, float]:
+    return float(np.sqrt(np.mean(distance**2))), float(distance.mean())
+
+
 def _reverse(surface: LimitSurface, target: Target) -> tuple[Floats, Floats]:
-    """Distances of surface samples from the target, a cloud's triangles included, and the sagitta each is allowed."""
+    """Distances of surface samples from the target, a cloud's triangles included, and the allowance of each."""
     grid = lattice(surface.domain, reverse_segments(surface.domain))
     samples = surface.evaluate(grid.face, grid.uv).position
     if not target.is_mesh:
         return target.nearest_point(samples), np.zeros(len(samples))
     found = target.tree.closest(samples)
-    return found.distance, target.sagitta[found.triangle]
+    return found.distance, target.allowance(found)
 
 
 def _samples_excess(projector: Projector, target: Target, spacing: float) -> float:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from subdfit.errors import InputError
-from subdfit.target.bvh import SegmentTree, TriangleTree
+from subdfit.target.bvh import Closest, SegmentTree, TriangleTree
 from subdfit.target.curves import boundary_edges
 from subdfit.target.faceting import sagitta
 from subdfit.target.features import automatic_creases, crease_edges
@@ -17,6 +17,9 @@ from subdfit.target.frame import Frame
 from subdfit.target.normals import vertex_normals
 
 Creases = Literal["auto", "none"] | float
+
+_ON_RIM = 1e-9
+"""Feet this near the boundary, as a share of the diagonal, lie on it."""
 
 
 @dataclass(frozen=True)
@@ -85,6 +88,19 @@ class Target:
     def sagitta(self) -> NDArray[np.float64]:
         """How far the surface that the mesh stands for may lie off each triangle, (m,) float64."""
         return sagitta(self.points, self.triangles, self.crease_edges)
+
+    def allowance(self, found: Closest) -> NDArray[np.float64]:
+        """How far the surface may lie off its feet `found` on the triangles for no fault of its own, (q,).
+
+        By the sagitta of the triangle; beyond the rim of a cloud, which is as ragged as the points are apart, by the
+        distance to the next point along it.
+        """
+        allowed: NDArray[np.float64] = self.sagitta[found.triangle]
+        if not self.cloud or self.boundary_tree is None:
+            return allowed
+        rim = self.boundary_tree.closest(self.on_triangles(found.triangle, found.uv))
+        step = np.linalg.norm(np.diff(self.points[self.boundary_edges[rim.segment]], axis=1)[:, 0], axis=1)
+        return np.where(rim.distance <= _ON_RIM * self.diagonal, np.maximum(allowed, step), allowed)
 
 
 def mesh_target(points: NDArray[np.float64], triangles: NDArray[np.integer], *, creases: Creases = "auto") -> Target:
@@ -156,7 +172,7 @@ def cloud_target(
 ) -> Target:
     """Gather what is known of a point cloud and of a mesh through most of its points; arguments as for `mesh_target`.
 
-    The `used` points (k,) count as data, those of no triangle too; all where it is None.
+    The `used` points (k,) count as data, those of no triangle too; all where it is None. Others may be in triangles.
     """
     guide = mesh_target(points, triangles, creases=creases)
     used = np.arange(len(guide.points)) if used is None else used
