@@ -1,13 +1,14 @@
 """Interpolation: the table of Cheng et al., rates on tori, fair surfaces, a million vertices against elimination."""
 
 import json
+import os
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse.linalg as spl
@@ -45,6 +46,18 @@ sys.exit(code)
 """The command; then its peak memory in GiB (what getrusage tells would count the parent's) and its CPU seconds."""
 TORI = {"doo-sabin": "49 / 28 / 14", "loop": "49 / 28 / 14", "catmull-clark": "118 / 62 / 21"}
 """Iterations that the eigenvalue bounds promise: plain, over-relaxed, conjugate gradients and Chebyshev."""
+
+MEDIAN_OF = 7
+
+
+class Seconds(NamedTuple):
+    """By the clock, which other programs on the machine lengthen, and of all processors together."""
+
+    wall: float
+    cpu: float
+
+    def __str__(self) -> str:
+        return f"{self.wall:.2f} / {self.cpu:.2f}"
 
 
 def run() -> str:
@@ -211,42 +224,35 @@ def million() -> str:
 
 
 def million_table(schemes: list[Scheme]) -> str:
-    """One row a scheme."""
-    rows = []
-    for scheme in schemes:
-        mesh = large_igea(scheme)
-        B, data = setting(scheme, mesh)
-        made = timed(lambda s=scheme, m=mesh: s.limit_rows(m.topology))[1]
-        solved = [timed(lambda b=B, d=data, m=mesh: solve_afresh(b, m, d)) for _ in range(3)]
-        found, seconds = min(solved, key=lambda pair: pair[1])
-        direct, elimination = timed(lambda b=B, d=data: spl.splu(b.matrix.tocsc()).solve(d))
-        whole, memory = command(scheme, mesh)
-        rows.append(
-            [
-                scheme.name,
-                f"{B.size:,}",
-                str(len(found.residuals) - 1),
-                f"{found.distances.max():.1e}",
-                f"{made:.2f}",
-                f"{seconds:.2f}",
-                f"{elimination:.1f}",
-                f"{elimination / seconds:.0f}",
-                f"{np.abs(direct - found.points).max():.0e}",
-                f"{whole:.1f}",
-                f"{memory:.2f}",
-            ]
-        )
-    head = [
-        "scheme",
-        "vertices",
-        "iterations",
-        "relative error",
-        "limit rows, CPU s",
-        "solve, CPU s",
-        "splu, CPU s",
-        "quotient",
+    """One row a scheme; the load is that of the whole machine, all programs together."""
+    head = ["scheme", "vertices", "iterations", "relative error", "load", "limit rows", "solve", "splu", "quotient"]
+    head += ["largest difference", "whole command", "its memory, GiB"]
+    return "Seconds by the clock / of all processors.\n\n" + table(head, [million_row(scheme) for scheme in schemes])
+
+
+def million_row(scheme: Scheme) -> list[str]:
+    """Medians of several limit rows and solves; elimination and the whole command once."""
+    mesh = large_igea(scheme)
+    B, data = setting(scheme, mesh)
+    made = timed(lambda: scheme.limit_rows(mesh.topology), MEDIAN_OF)[1]
+    found, solved = timed(lambda: solve_afresh(B, mesh, data), MEDIAN_OF)
+    load = os.getloadavg()[0]
+    direct, elimination = timed(lambda: spl.splu(B.matrix.tocsc()).solve(data))
+    whole, memory = command(scheme, mesh)
+    return [
+        scheme.name,
+        f"{B.size:,}",
+        str(len(found.residuals) - 1),
+        f"{found.distances.max():.1e}",
+        f"{load:.1f}",
+        f"{made}",
+        f"{solved}",
+        f"{elimination}",
+        f"{elimination.wall / solved.wall:.0f} / {elimination.cpu / solved.cpu:.0f}",
+        f"{np.abs(direct - found.points).max():.0e}",
+        f"{whole}",
+        f"{memory:.2f}",
     ]
-    return table([*head, "largest difference", "whole command, CPU s", "its memory, GiB"], rows)
 
 
 def solve_afresh(B: LimitOperator, mesh: ControlMesh, data: np.ndarray) -> Interpolation:
@@ -272,21 +278,23 @@ def refined(scheme: Scheme, mesh: ControlMesh) -> ControlMesh:
     return subdfit.subdivide(mesh, 2, scheme.name)
 
 
-def command(scheme: Scheme, mesh: ControlMesh) -> tuple[float, float]:
-    """CPU seconds and peak memory in GiB of the whole command, from file to file, in a fresh process."""
+def command(scheme: Scheme, mesh: ControlMesh) -> tuple[Seconds, float]:
+    """Seconds and peak memory in GiB of the whole command, from file to file, in a fresh process."""
     with tempfile.TemporaryDirectory() as folder:
         source, out, document = (str(Path(folder) / name) for name in ("in.ply", "out.ply", "i.json"))
         subdfit.write(source, mesh)
         call = ["interpolate", source, "-o", out, "--scheme", scheme.name, "--tolerance", "1e-10", "--json", document]
+        begun = time.perf_counter()
         done = subprocess.run(
             [sys.executable, "-c", _PROGRAM, *call, "--creases", "none", "--quiet"],
             check=True,
             capture_output=True,
             text=True,
         )
-        memory, seconds = done.stdout.split()[-2:]
+        wall = time.perf_counter() - begun
+        memory, cpu = done.stdout.split()[-2:]
         assert json.loads(Path(document).read_text())["status"] == "within_tolerance"
-    return float(seconds), float(memory)
+    return Seconds(wall, float(cpu)), float(memory)
 
 
 # Shared
@@ -298,8 +306,11 @@ def setting(scheme: Scheme, mesh: ControlMesh) -> tuple[LimitOperator, np.ndarra
     return LimitOperator.of(scheme.limit_rows(mesh.topology)), Frame.of(mesh.points).inside(mesh.points)
 
 
-def timed(job: Callable[[], Any]) -> tuple[Any, float]:
-    """What a job returns, and the seconds of all processors that it took: other work on the machine hardly matters."""
-    start = time.process_time()
-    found = job()
-    return found, time.process_time() - start
+def timed(job: Callable[[], Any], times: int = 1) -> tuple[Any, Seconds]:
+    """What a job returns, and the medians of the seconds that it took each time."""
+    taken = []
+    for _ in range(times):
+        begun, spent = time.perf_counter(), time.process_time()
+        found = job()
+        taken.append((time.perf_counter() - begun, time.process_time() - spent))
+    return found, Seconds(*np.median(taken, axis=0).tolist())

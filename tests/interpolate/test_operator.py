@@ -59,6 +59,24 @@ def test_products_are_the_matrix_times_points(case):
     np.testing.assert_allclose(B.times(x), dense @ x, rtol=0, atol=1e-14)
 
 
+def test_breadth_first_it_is_the_same_operator_renumbered(case):
+    """Row by row each vertex is the first of its component or a neighbour of an earlier one."""
+    B, dense, _ = case
+    compact, order = B.breadth_first()
+    np.testing.assert_array_equal(np.sort(order), np.arange(B.size))
+    np.testing.assert_array_equal(compact.matrix.toarray(), dense[np.ix_(order, order)])
+    assert compact.matrix.has_canonical_format
+    earlier = np.tril(compact.matrix.toarray(), -1).any(axis=1) | np.triu(compact.matrix.toarray(), 1).any(axis=0)
+    for i in np.flatnonzero(~earlier):
+        assert order[i] == np.setdiff1d(np.arange(B.size), order[:i]).min()
+
+
+def test_distances_are_those_of_the_limit_points(case):
+    B, dense, _ = case
+    x, data = np.random.default_rng(1).normal(size=(2, B.size, 3))
+    np.testing.assert_allclose(B.distances(x, data), np.linalg.norm(data - dense @ x, axis=1), rtol=1e-13)
+
+
 def test_curves_are_the_sharp_vertices(case):
     """Curve rows are the corners and the vertices inside curves, but for curves that end in darts."""
     B, _, t = case

@@ -32,6 +32,15 @@ def product(offsets, columns, values, weight, x, start, stop, out):  # type: ign
 
 
 @kernel
+def gaps(offsets, columns, values, data, v, start, stop, out):  # type: ignore[no-untyped-def]
+    """Write the lengths of rows ``start`` to ``stop`` of data - B v into `out`."""
+    for i in range(start, stop):
+        a, b, c = row_times(offsets, columns, values, v, i)
+        a, b, c = data[i, 0] - a, data[i, 1] - b, data[i, 2] - c
+        out[i] = np.sqrt(a * a + b * b + c * c)
+
+
+@kernel
 def correct(offsets, columns, values, data, v, before, share, carry, start, stop, out):  # type: ignore[no-untyped-def]
     """One step of an iteration without inner products: v + share (data - B v) + carry (v - before), into `out`.
 
@@ -69,6 +78,44 @@ def turn(share, residual, direction, start, stop):  # type: ignore[no-untyped-de
     for i in range(start, stop):
         for d in range(3):
             direction[i, d] = residual[i, d] + share * direction[i, d]
+
+
+@kernel
+def breadth_first(offsets, columns):  # type: ignore[no-untyped-def]
+    """The order in which a breadth-first search along entries meets the rows (Cuthill and McKee 1969).
+
+    Returns
+    -------
+    order, number : int32, old numbers by the new ones, and new ones by the old.
+    """
+    count = len(offsets) - 1
+    order, number = np.empty(count, np.int32), np.full(count, -1, np.int32)
+    tail = seed = 0
+    for head in range(count):
+        if head == tail:
+            while number[seed] >= 0:
+                seed += 1
+            order[tail], number[seed] = seed, tail
+            tail += 1
+        for k in range(offsets[order[head]], offsets[order[head] + 1]):
+            j = columns[k]
+            if number[j] < 0:
+                order[tail], number[j] = j, tail
+                tail += 1
+    return order, number
+
+
+@kernel
+def renumber(offsets, columns, values, order, number, starts, start, stop, into, copied):  # type: ignore[no-untyped-def]
+    """Write the new rows ``start`` to ``stop``, which begin at `starts`, with new columns, ascending again."""
+    for i in range(start, stop):
+        first, row = starts[i], order[i]
+        for k in range(offsets[row], offsets[row + 1]):
+            place, column = first + k - offsets[row], number[columns[k]]
+            while place > first and into[place - 1] > column:
+                into[place], copied[place] = into[place - 1], copied[place - 1]
+                place -= 1
+            into[place], copied[place] = column, values[k]
 
 
 @inlined_kernel
@@ -117,14 +164,14 @@ def spread_weights(offsets, columns, values, free):  # type: ignore[no-untyped-d
 
 @kernel
 def asymmetry(offsets, columns, values, free, weight, start, stop):  # type: ignore[no-untyped-def]
-    """Largest abs(d_i B_ij - d_j B_ji) / (d_i B_ii) among the free rows ``start`` to ``stop``."""
+    """Largest abs(d_i B_ij - d_j B_ji) / (d_i B_ii), j < i, among the free rows ``start`` to ``stop``."""
     worst = 0.0
     for i in range(start, stop):
         if free[i]:
             own = weight[i] * abs(entry(offsets, columns, values, i, i))
             for k in range(offsets[i], offsets[i + 1]):
                 j = columns[k]
-                if free[j]:
+                if j < i and free[j]:
                     here, there = weight[i] * values[k], weight[j] * entry(offsets, columns, values, j, i)
                     worst = max(worst, abs(here - there) / own)
     return worst

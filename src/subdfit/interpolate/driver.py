@@ -3,7 +3,7 @@
 import logging
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,25 +71,38 @@ def interpolate_points(
         One of `METHODS`.
     """
     null_space = NullSpace.of(B, topology)
-    reachable = null_space.reachable(data)
-    residuals: list[float] = []
-    points, least = reachable, np.inf
-    while True:
-        points, interrupted = _iterate(METHODS[method](B, reachable, points), residuals, tolerance, most_iterations)
-        true = float(B.distances(points, reachable).max())
-        if not interrupted and true > residuals[0] and len(residuals) < most_iterations and method != "cg":
-            logger.warning("%s does not converge on this mesh; cg takes over", method)
-            method, points = "cg", reachable
-            continue
-        if interrupted or true <= tolerance or not true < least / 2 or len(residuals) >= most_iterations:
-            break
-        least = true
+    compact, order = B.breadth_first()
+    solved = _solve(compact, null_space.reachable(data)[order], method, tolerance, most_iterations)
+    points = np.empty_like(data)
+    points[order] = solved.points
     points = null_space.least(points)
     distances = B.distances(points, data)
-    status: Status = "interrupted" if interrupted else "best_effort"
+    status: Status = "interrupted" if solved.interrupted else "best_effort"
     if distances.max() <= tolerance:
         status = "within_tolerance"
-    return Interpolation(points, tuple(residuals), distances, status, null_space.count)
+    return Interpolation(points, tuple(solved.residuals), distances, status, null_space.count)
+
+
+class _Solved(NamedTuple):
+    points: Floats
+    residuals: list[float]
+    interrupted: bool
+
+
+def _solve(B: LimitOperator, data: Floats, method: str, tolerance: float, most_iterations: int) -> _Solved:
+    """Iterate from the data themselves, and again from where rounding ended the iteration, while that helps."""
+    residuals: list[float] = []
+    points, least = data, np.inf
+    while True:
+        points, interrupted = _iterate(METHODS[method](B, data, points), residuals, tolerance, most_iterations)
+        true = float(B.distances(points, data).max())
+        if not interrupted and true > residuals[0] and len(residuals) < most_iterations and method != "cg":
+            logger.warning("%s does not converge on this mesh; cg takes over", method)
+            method, points = "cg", data
+            continue
+        if interrupted or true <= tolerance or not true < least / 2 or len(residuals) >= most_iterations:
+            return _Solved(points, residuals, interrupted)
+        least = true
 
 
 def _iterate(

@@ -28,12 +28,12 @@ def krylov(B: LimitOperator, data: Floats, x: Floats) -> Iterator[Step]:
     """
     curves = np.flatnonzero(B.on_curves)
     residual = data - B.times(x)
+    x = x.copy()
     if len(curves):
         yield x, _longest(residual)
-    x = x.copy()
-    x[curves] = solve_curves(B, curves, data)
-    residual = data - B.times(x)
-    residual[curves] = 0.0
+        x[curves] = solve_curves(B, curves, data)
+        residual = data - B.times(x)
+        residual[curves] = 0.0
     if B.weights is None:
         yield from bicgstab(B.times, x, residual)
     else:

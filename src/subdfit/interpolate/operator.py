@@ -37,6 +37,19 @@ class LimitOperator:
         rows.sort_indices()
         return cls(rows)
 
+    def breadth_first(self) -> tuple["LimitOperator", NDArray[np.int32]]:
+        """The same operator with vertices in an order in which neighbours are near one another in memory, too.
+
+        Our number of its vertex i is the i-th of the second result.
+        """
+        offsets, columns, values = self.arrays
+        order, number = kernels.breadth_first(offsets, columns)
+        starts = np.concatenate([[0], np.cumsum(np.diff(offsets)[order])])
+        moved, copied = np.empty_like(columns), np.empty_like(values)
+        numbers = (*self.arrays, order, number, starts)
+        map_chunks(lambda a, b: kernels.renumber(*numbers, a, b, moved, copied), self.size, CHUNK)
+        return LimitOperator(sp.csr_array((copied, moved, starts), self.matrix.shape)), order
+
     @cached_property
     def arrays(self) -> tuple[NDArray[np.int64], NDArray[np.int32], Floats]:
         """Offsets, columns and values of the rows."""
@@ -61,7 +74,9 @@ class LimitOperator:
 
     def distances(self, x: Floats, data: Floats) -> Floats:
         """Distance of each limit point from its datum, (n,)."""
-        return np.asarray(np.linalg.norm(data - self.times(x), axis=1))
+        out = np.empty(self.size)
+        map_chunks(lambda a, b: kernels.gaps(*self.arrays, data, x, a, b, out), self.size, CHUNK)
+        return out
 
     @cached_property
     def on_curves(self) -> Flags:
