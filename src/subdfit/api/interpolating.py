@@ -3,7 +3,7 @@
 import logging
 import time
 from dataclasses import replace
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,23 +106,12 @@ def interpolate(
     with workers(threads):
         watch.begin("read", "reading")
         cage = largest_components(_with_mask(control_mesh_of(mesh, scheme), mask), how.keep_components)
-        rules = scheme_named(cage.scheme or "loop")
         given = with_creases(cage, how.creases)
-        rules.validate(given.topology)
-        watch.begin("operator", "making the limit operator")
-        operator = LimitOperator.of(rules.limit_rows(given.topology))
-        watch.begin("solve", "solving")
         frame = _frame(given.points)
         data = given.with_points(frame.inside(given.points))
-        found = interpolate_points(operator, given.topology, data.points, method, tolerance, most_iterations)
-        _warn(found)
-        smoothed = None
-        if fair:
-            watch.begin("fair", "making it fair")
-            smoothed = fair_interpolation(rules, data, found.points)
-            found = _of_fair(found, smoothed, tolerance)
-        watch.end()
+        found, smoothed = _solved(data, _Asked(method, fair, tolerance, most_iterations), watch)
     control = smoothed.control_mesh if smoothed else data.with_points(found.points)
+    asked = {"mask": mask, "fair": fair, "creases": how.creases, "keep_components": keep_components}
     return InterpolationResult(
         control_mesh=control.with_points(frame.outside(control.points)),
         given=given,
@@ -133,17 +122,39 @@ def interpolate(
         null_vectors=found.null_vectors,
         energy=(smoothed.before, smoothed.after) if smoothed else None,
         diagonal=frame.diagonal,
-        settings={
-            "mask": mask,
-            "fair": fair,
-            "creases": how.creases,
-            "keep_components": keep_components,
-            "tolerance": tolerance,
-            "threads": threads,
-        },
+        settings=asked | {"tolerance": tolerance, "threads": threads},
         seconds=watch.seconds | elapsed(begun, compiled),
         unit=unit,
     )
+
+
+class _Asked(NamedTuple):
+    """How to interpolate; the fields are arguments of `interpolate`."""
+
+    method: str
+    fair: bool
+    tolerance: float
+    most_iterations: int
+
+
+def _solved(data: ControlMesh, asked: _Asked, watch: "_Watch") -> tuple[Interpolation, Fair | None]:
+    """The interpolation of a normalised mesh, and the fair one where that is asked."""
+    rules = scheme_named(data.scheme or "loop")
+    rules.validate(data.topology)
+    watch.begin("operator", "making the limit operator")
+    operator = LimitOperator.of(rules.limit_rows(data.topology))
+    watch.begin("solve", "solving")
+    found = interpolate_points(
+        operator, data.topology, data.points, asked.method, asked.tolerance, asked.most_iterations
+    )
+    _warn(found)
+    smoothed = None
+    if asked.fair:
+        watch.begin("fair", "making it fair")
+        smoothed = fair_interpolation(rules, data, found.points)
+        found = _of_fair(found, smoothed, asked.tolerance)
+    watch.end()
+    return found, smoothed
 
 
 def _of_fair(plain: Interpolation, fair: Fair, tolerance: float) -> Interpolation:

@@ -137,17 +137,6 @@ def reconstruct(
         stages.info("joining points")
         found = largest_of_cloud(_joined(data, method, gap, small_hole, name), keep_components, name)
         simple, rows = _simplified(found, vertices, length, keep_data_points)
-    settings: dict[str, Any] = {
-        "method": method,
-        "gap": gap,
-        "small_hole": small_hole,
-        "keep_components": keep_components,
-        "vertices": vertices,
-        "max_error": max_error,
-        "keep_data_points": keep_data_points,
-        "threads": threads,
-        "memory": limit,
-    }
     return Reconstruction(
         mesh=MeshData(simple.points, 3 * np.arange(len(simple.triangles) + 1), simple.triangles.ravel()),
         cloud=data.points,
@@ -155,7 +144,17 @@ def reconstruct(
         left_out=found.left_out,
         repeated=found.repeated,
         error=simple.error,
-        settings=settings,
+        settings={
+            "method": method,
+            "gap": gap,
+            "small_hole": small_hole,
+            "keep_components": keep_components,
+            "vertices": vertices,
+            "max_error": max_error,
+            "keep_data_points": keep_data_points,
+            "threads": threads,
+            "memory": limit,
+        },
         seconds=elapsed(begun, compiled),
     )
 

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from subdfit.draw.fit_picture import SURFACE
 from subdfit.draw.gallery import Panel, gallery
+from subdfit.target.features import mesh_edges
 
 DOT = 2e-4
 """Length of the stroke that stands for a point, as a share of the diagonal: its round ends make a dot."""
@@ -44,37 +45,32 @@ def cloud_picture(
     """
     cloud = np.asarray(points, np.float64)
     vertices, triangles = np.asarray(mesh[0], np.float64), np.asarray(mesh[1], np.int64)
-    panels = [
-        Panel(
-            vertices,
-            triangles,
-            f"{len(cloud):,} points",
-            colors=GROUND,
-            lines=_dots(cloud),
-            line_width=float(np.clip(1.6 * (10_000 / max(len(cloud), 1)) ** 0.5, 0.3, 1.8)),
-        ),
-        Panel(
-            vertices,
-            triangles,
-            f"polyhedron: {len(np.unique(triangles)):,} vertices, {len(triangles):,} triangles",
-            lines=_sides(vertices, triangles),
-            line_width=float(np.clip(0.4 * (30_000 / max(len(triangles), 1)) ** 0.5, 0.1, 0.5)),
-        ),
-    ]
+    panels = [_points_panel(cloud, vertices, triangles), _polyhedron_panel(vertices, triangles)]
     if surface is not None:
         caption = f"surface: {surface[3]:,} control vertices"
         panels.append(Panel(surface[0], surface[1], caption, colors=SURFACE, lines=surface[2], line_width=0.5))
     gallery(path, panels, title=title, panel_width=4.3)
 
 
-def _dots(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Strokes (n, 2, 3) as good as points."""
-    diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
-    return np.stack([points, points + DOT * diagonal], axis=1)
+def _points_panel(cloud: NDArray[np.float64], vertices: NDArray[np.float64], triangles: NDArray[np.int64]) -> Panel:
+    """The points, before the polyhedron that hides those behind it."""
+    diagonal = float(np.linalg.norm(np.ptp(cloud, axis=0)))
+    return Panel(
+        vertices,
+        triangles,
+        f"{len(cloud):,} points",
+        colors=GROUND,
+        lines=np.stack([cloud, cloud + DOT * diagonal], axis=1),
+        line_width=float(np.clip(1.6 * (10_000 / max(len(cloud), 1)) ** 0.5, 0.3, 1.8)),
+    )
 
 
-def _sides(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArray[np.float64]:
-    """The edges as segments, (k, 2, 3), each once."""
-    ends = np.concatenate([triangles[:, [i, (i + 1) % 3]] for i in range(3)])
-    segments: NDArray[np.float64] = points[np.unique(np.sort(ends, axis=1), axis=0)]
-    return segments
+def _polyhedron_panel(vertices: NDArray[np.float64], triangles: NDArray[np.int64]) -> Panel:
+    """The polyhedron with all its edges."""
+    return Panel(
+        vertices,
+        triangles,
+        f"polyhedron: {len(np.unique(triangles)):,} vertices, {len(triangles):,} triangles",
+        lines=vertices[mesh_edges(vertices, triangles).vertices],
+        line_width=float(np.clip(0.4 * (30_000 / max(len(triangles), 1)) ** 0.5, 0.1, 0.5)),
+    )

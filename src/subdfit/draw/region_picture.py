@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from subdfit.draw.camera import camera_for
 from subdfit.draw.gallery import Panel, gallery
+from subdfit.target.features import mesh_edges
 
 _SIDES = ((32.0, 20.0), (212.0, -20.0), (122.0, 35.0), (302.0, 50.0))
 """Azimuth and elevation in degrees."""
@@ -43,7 +44,7 @@ def region_picture(
     MachineError
         The file cannot be written.
     """
-    smooth = _borders(triangles, labels)
+    smooth = _borders(points, triangles, labels)
     lines = np.concatenate([points[smooth], points[feature_edges]])
     ink = np.repeat([[0.95, 0.95, 0.95], [0.08, 0.09, 0.1]], [len(smooth), len(feature_edges)], axis=0)
     panels = [
@@ -70,10 +71,10 @@ def region_colors(labels: NDArray[np.integer]) -> NDArray[np.float64]:
     return np.asarray(np.array(wheel)[labels])
 
 
-def _borders(triangles: NDArray[np.integer], labels: NDArray[np.integer]) -> NDArray[np.int64]:
+def _borders(
+    points: NDArray[np.float64], triangles: NDArray[np.integer], labels: NDArray[np.integer]
+) -> NDArray[np.int64]:
     """Edges between two regions, (k, 2)."""
-    ends = np.sort(np.asarray(triangles, np.int64)[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    order = np.lexsort((ends[:, 1], ends[:, 0]))
-    ends, side = ends[order], np.repeat(labels, 3)[order]
-    same = (ends[1:] == ends[:-1]).all(axis=1) & (side[1:] != side[:-1])
-    return np.asarray(ends[1:][same])
+    edges = mesh_edges(points, triangles)
+    sides = labels[edges.faces]
+    return np.asarray(edges.vertices[(edges.valence == 2) & (sides[:, 0] != sides[:, 1])])
