@@ -37,6 +37,21 @@ def test_certain_footpoints_are_as_near_as_brute_force(scheme: str, name: str) -
     assert np.all(found.distance <= brute + 1e-6)
 
 
+@pytest.mark.parametrize("name", ["rhombic 2", "quad fan 2"])
+@pytest.mark.parametrize("scheme", ["catmull-clark", "doo-sabin"])
+def test_nothing_nearer_is_missed_round_an_inner_vertex_of_two_faces(scheme: str, name: str) -> None:
+    """The tree's triangulation may hold a triangle there twice, and leave as much of the surface without one."""
+    surface = _surface(name, scheme)
+    face, uv = inside(surface.domain, per_cell=40, margin=0.0)
+    points = surface.evaluate(face, uv).position
+    queries = points + np.random.default_rng(5).normal(scale=0.1, size=points.shape)
+    found = Projector(surface).certain(queries)
+    fine = lattice(surface.domain, 32)
+    brute, _ = cKDTree(surface.evaluate(fine.face, fine.uv).position).query(queries)
+    assert np.all(found.distance <= brute + 1e-6)
+    assert Projector(surface).certain(points).distance.max() < 1e-6
+
+
 @pytest.mark.parametrize(("scheme", "name"), BOTH)
 def test_distance_is_that_of_the_named_footpoint(scheme: str, name: str) -> None:
     surface = _surface(name, scheme)
