@@ -92,14 +92,13 @@ def before(h, face_offsets, face):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def outgoing_half_edges(face_offsets, face_vertices, face, twin, vertex_count):  # type: ignore[no-untyped-def]
+def outgoing_half_edges(face_vertices, twin, vertex_count):  # type: ignore[no-untyped-def]
     """Give each vertex one outgoing half-edge: on the boundary the one without a twin, else the lowest.
 
     Returns
     -------
     outgoing : int32 (n,), -1 for an isolated vertex.
     valence : int32 (n,), number of faces round the vertex.
-    bad : a vertex whose faces form more than one fan; -1 if none.
     """
     outgoing = np.full(vertex_count, -1, np.int32)
     valence = np.zeros(vertex_count, np.int32)
@@ -108,7 +107,13 @@ def outgoing_half_edges(face_offsets, face_vertices, face, twin, vertex_count): 
         valence[v] += 1
         if outgoing[v] < 0 or (twin[h] < 0 and twin[outgoing[v]] >= 0):
             outgoing[v] = h
-    for v in range(vertex_count):
+    return outgoing, valence
+
+
+@kernel
+def separate_fans(face_offsets, face, twin, outgoing, valence):  # type: ignore[no-untyped-def]
+    """Find a vertex whose faces form more than one fan; -1 if none do."""
+    for v in range(len(outgoing)):
         h = outgoing[v]
         if h < 0:
             continue
@@ -119,8 +124,8 @@ def outgoing_half_edges(face_offsets, face_vertices, face, twin, vertex_count): 
             if h < 0 or h == outgoing[v] or fan > valence[v]:
                 break
         if fan != valence[v]:
-            return outgoing, valence, v
-    return outgoing, valence, -1
+            return v
+    return -1
 
 
 @kernel

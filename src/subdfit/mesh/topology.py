@@ -14,6 +14,7 @@ from subdfit.mesh._topology_kernels import (
     outgoing_half_edges,
     pair_half_edges,
     repeated_vertex,
+    separate_fans,
 )
 from subdfit.mesh.data import SHARP_FOR_EVER
 
@@ -91,6 +92,9 @@ class Topology:
             what = "more than two faces or two that disagree in orientation"
             raise InputError(f"edge ({bad[0]}, {bad[1]}) has {what}; repair the mesh")
         topology = cls.from_twins(offsets, corners, twin, vertex_count)
+        fans = separate_fans(offsets, topology.face, twin, topology.outgoing, topology.valence)
+        if fans >= 0:
+            raise InputError(f"vertex {fans} joins separate fans of faces; split it into one vertex a fan")
         if vertex_count and topology.valence.min() == 0:
             vertex = int(np.argmin(topology.valence))
             raise InputError(f"vertex {vertex} belongs to no face; remove isolated vertices")
@@ -104,17 +108,9 @@ class Topology:
 
     @classmethod
     def from_twins(cls, face_offsets: Indices, face_vertices: Indices, twin: Indices, vertex_count: int) -> "Topology":
-        """Build from sound faces whose half-edges are paired already; only the boundary is sharp.
-
-        Raises
-        ------
-        InputError
-            A vertex joins separate fans of faces.
-        """
+        """Build from a sound manifold's faces, whose half-edges are paired already; only the boundary is sharp."""
         following, face, edge, edge_count = link_half_edges(face_offsets, twin)
-        outgoing, valence, bad = outgoing_half_edges(face_offsets, face_vertices, face, twin, vertex_count)
-        if bad >= 0:
-            raise InputError(f"vertex {bad} joins separate fans of faces; split it into one vertex a fan")
+        outgoing, valence = outgoing_half_edges(face_vertices, twin, vertex_count)
         sharpness = np.zeros(edge_count)
         sharpness[edge[twin < 0]] = np.inf
         return cls(

@@ -73,7 +73,7 @@ class OneShapeLimits:
         smooth, dart, crease, pinned = vertex_kinds(t)
         weights = curve_weights(crease, pinned)
         for column, weight in enumerate(self.smooth(t)):
-            weights[smooth, column] = weight[smooth]
+            np.copyto(weights[:, column], weight, where=smooth)
         return LimitMasks(weights, dart, semi_sharp(t) | dart & (_other_faces(t, self.corners) > 0))
 
     def ring_rows(self, level: Level, vertices: Flags) -> sp.csr_array:

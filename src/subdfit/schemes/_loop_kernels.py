@@ -1,4 +1,4 @@
-"""Loop subdivision over arrays: the split of triangles, and the points that each patch lists."""
+"""Loop subdivision over arrays: the points that each patch lists."""
 
 import numpy as np
 
@@ -15,36 +15,6 @@ def before(h):  # type: ignore[no-untyped-def]
 def after(h):  # type: ignore[no-untyped-def]
     """Half-edge after `h` in its triangle."""
     return h - 2 if h % 3 == 2 else h + 1
-
-
-@kernel
-def split_triangles(face_vertices, twin, edge, vertex_count):  # type: ignore[no-untyped-def]
-    """Cut each triangle in four: one child at each corner, then the middle one.
-
-    The child at the corner where half-edge h begins holds the first half of h, as half-edge 4 h; the second half
-    is the half-edge before the first half of the next.
-
-    Returns
-    -------
-    face_vertices, twin : int32 (4 h,) of the children; the vertex in the middle of edge e is row vertex_count + e.
-    """
-    count = len(face_vertices)
-    child_vertices = np.empty(4 * count, np.int32)
-    child_twin = np.full(4 * count, -1, np.int32)
-    for h in range(count):
-        half = 4 * h
-        child_vertices[half] = face_vertices[h]
-        child_vertices[after(half)] = vertex_count + edge[h]
-        child_vertices[before(half)] = vertex_count + edge[before(h)]
-        middle = 12 * (h // 3) + 9 + before(h) % 3
-        child_vertices[middle] = vertex_count + edge[h]
-        # The middle child's side from the edge before h to h faces the child at h's origin.
-        child_twin[after(half)] = before(middle)
-        child_twin[before(middle)] = after(half)
-        if twin[h] >= 0:
-            child_twin[half] = before(4 * after(twin[h]))
-            child_twin[before(4 * after(h))] = 4 * twin[h]
-    return child_vertices, child_twin
 
 
 @inlined_kernel

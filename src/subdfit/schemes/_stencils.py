@@ -138,7 +138,8 @@ class _Kinds:
 def _kind_weights(smooth: VertexMask, kinds: _Kinds, ring: int) -> Floats:
     """The vertex rules of given kinds, (n, 5), a crease's neighbours in column `ring`."""
     out = np.zeros((len(kinds.smooth), 5))
-    out[:, :3] = np.where(kinds.smooth[:, None], np.column_stack(smooth), 0.0)
+    for column, weight in enumerate(smooth):
+        np.copyto(out[:, column], weight, where=kinds.smooth)
     out[kinds.crease, 0], out[kinds.crease, ring] = 6 / 8, 1 / 8
     out[kinds.corner, 0] = 1.0
     return out

@@ -13,10 +13,14 @@ from subdfit.schemes._cells import face_cells
 from subdfit.schemes._compile import compile_patches
 from subdfit.schemes._limits import OneShapeLimits, limit_points, limit_rows
 from subdfit.schemes._quad_patches import QuadPatches
-from subdfit.schemes._stencils import BESIDE_POLYGON, SmoothRules, Stencils, VertexMask, later
+from subdfit.schemes._split import split
+from subdfit.schemes._stencils import BESIDE_POLYGON, SmoothRules, Stencils, VertexMask
 from subdfit.schemes.domain import Domain
 from subdfit.schemes.patch_table import PatchTable
 from subdfit.schemes.scheme import Faces, Refinement
+
+QUADS_FROM = 3
+"""Corners from which on faces are cut in quads."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +38,7 @@ class CatmullClark:
         """One quad a face where all faces are quads; else a quad for every corner of a face, in `refine`'s order."""
         if _quads_only(topology):
             return face_cells(topology)
-        return face_cells(_split(topology), topology.vertex_count)
+        return face_cells(split(topology, QUADS_FROM), topology.vertex_count)
 
     def refine(self, topology: Topology) -> Refinement:
         """Cut every face in a quad a corner, half-edge h's child being face h, which begins at that corner.
@@ -42,9 +46,8 @@ class CatmullClark:
         Vertices keep their rows; the new vertex of edge e is row n + e, the centroid of face f row n + edges + f.
         """
         t = topology
-        child = _split(t)
         rows = np.arange(t.vertex_count + t.edge_count)
-        return Refinement(child, Stencils(t, _RULES), rows[: t.vertex_count], rows[t.vertex_count :])
+        return Refinement(split(t, QUADS_FROM), Stencils(t, _RULES), rows[: t.vertex_count], rows[t.vertex_count :])
 
     def limit_rows(self, topology: Topology) -> sp.csr_array:
         """Limit masks of all vertices: smooth, crease and boundary, dart, corner; semi-sharp ones by refining first."""
@@ -70,26 +73,6 @@ def _quads_only(t: Topology) -> bool:
     return bool(np.all(np.diff(t.face_offsets) == 4))
 
 
-def _split(t: Topology) -> Topology:
-    """Child h begins at half-edge h's origin, and runs over its middle, the centroid and the middle before."""
-    n, count = t.vertex_count, len(t.face_vertices)
-    centroid = (n + t.edge_count + t.face).astype(np.int32)
-    before = np.empty(count, np.int32)
-    before[t.following] = np.arange(count, dtype=np.int32)
-    corners = np.column_stack([t.face_vertices, n + t.edge, centroid, n + t.edge[before]]).astype(np.int32)
-    twin = np.empty((count, 4), np.int32)
-    twin[:, 0] = np.where(t.twin < 0, -1, 4 * t.following[t.twin] + 3)
-    twin[:, 1] = 4 * t.following + 2
-    twin[:, 2] = 4 * before + 1
-    twin[:, 3] = np.where(t.twin[before] < 0, -1, 4 * t.twin[before])
-    offsets = np.arange(0, 4 * count + 1, 4, dtype=np.int32)
-    child = Topology.from_twins(offsets, corners.ravel(), twin.ravel(), n + t.edge_count + t.face_count)
-    # The halves of an inner edge are the first halves of its two half-edges; those of the boundary are sharp.
-    child.sharpness[child.edge[::4]] = later(t.sharpness)[t.edge]
-    child.corner_sharpness[:n] = later(t.corner_sharpness)
-    return child
-
-
 def _vertex_mask(t: Topology) -> VertexMask:
     """Catmull and Clark's vertex rule: (n - 2) / n itself, 1 / n^2 each neighbour and each face's centroid."""
     n = t.valence.astype(np.float64)
@@ -105,4 +88,4 @@ def _limit_mask(t: Topology) -> VertexMask:
     return VertexMask((n - 1) / (n + 5), 2 / (n * (n + 5)), 4 / (n * (n + 5)))
 
 
-_RULES = SmoothRules(_vertex_mask, BESIDE_POLYGON, BESIDE_POLYGON, centroids_from=3)
+_RULES = SmoothRules(_vertex_mask, BESIDE_POLYGON, BESIDE_POLYGON, centroids_from=QUADS_FROM)

@@ -9,17 +9,20 @@ from numpy.typing import NDArray
 
 from subdfit.errors import InputError
 from subdfit.mesh.topology import Topology
-from subdfit.schemes import _loop_kernels as kernels
 from subdfit.schemes._cells import face_cells
 from subdfit.schemes._compile import compile_patches
 from subdfit.schemes._limits import OneShapeLimits, limit_points, limit_rows
 from subdfit.schemes._loop_types import limit_mask as dart_mask
 from subdfit.schemes._loop_types import vertex_alpha
-from subdfit.schemes._stencils import BESIDE_TRIANGLE, SmoothRules, Stencils, VertexMask, later
+from subdfit.schemes._split import split
+from subdfit.schemes._stencils import BESIDE_TRIANGLE, SmoothRules, Stencils, VertexMask
 from subdfit.schemes._triangle_patches import TrianglePatches
 from subdfit.schemes.domain import Domain
 from subdfit.schemes.patch_table import PatchTable
 from subdfit.schemes.scheme import Faces, Refinement
+
+NO_QUADS = 4
+"""More corners than any face has: all are triangles."""
 
 
 @dataclass(frozen=True)
@@ -50,14 +53,8 @@ class Loop:
         Vertices keep their rows; the new vertex of edge e is row n + e.
         """
         t = topology
-        corners, twin = kernels.split_triangles(t.face_vertices, t.twin, t.edge, t.vertex_count)
-        offsets = np.arange(0, len(corners) + 1, 3, dtype=np.int32)
-        child = Topology.from_twins(offsets, corners, twin, t.vertex_count + t.edge_count)
-        # The halves of an inner edge are the first halves of its two half-edges; those of the boundary are sharp.
-        child.sharpness[child.edge[::4]] = later(t.sharpness)[t.edge]
-        child.corner_sharpness[: t.vertex_count] = later(t.corner_sharpness)
         rows = np.arange(t.vertex_count + t.edge_count)
-        return Refinement(child, Stencils(t, _RULES), rows[: t.vertex_count], rows[t.vertex_count :])
+        return Refinement(split(t, NO_QUADS), Stencils(t, _RULES), rows[: t.vertex_count], rows[t.vertex_count :])
 
     def limit_rows(self, topology: Topology) -> sp.csr_array:
         """Limit masks of all vertices: smooth, crease and boundary, dart, corner; semi-sharp ones by refining first."""

@@ -14,8 +14,9 @@ from subdfit.schemes._cells import face_cells
 from subdfit.schemes._compile import compile_patches
 from subdfit.schemes._limits import limit_points, limit_rows
 from subdfit.schemes._quad_triangle_limits import MixedLimits
-from subdfit.schemes._quad_triangle_rules import refine, split
+from subdfit.schemes._quad_triangle_rules import QUADS_FROM, refine
 from subdfit.schemes._quad_triangle_types import MixedPatches
+from subdfit.schemes._split import split
 from subdfit.schemes.domain import Domain
 from subdfit.schemes.patch_table import PatchTable
 from subdfit.schemes.scheme import Faces, Refinement
@@ -50,7 +51,7 @@ class QuadTriangle:
         """
         if _small(topology):
             return face_cells(topology)
-        return face_cells(split(topology), topology.vertex_count)
+        return face_cells(split(topology, QUADS_FROM), topology.vertex_count)
 
     def refine(self, topology: Topology) -> Refinement:
         """Split a triangle into four (at its corners, then in its middle), any other face into a quad a corner.

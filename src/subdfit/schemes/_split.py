@@ -1,0 +1,26 @@
+"""One step of refinement of a topology: triangles in four, other faces in a quad a corner."""
+
+import numpy as np
+
+from subdfit.mesh.topology import Topology
+from subdfit.schemes import _split_kernels as kernels
+from subdfit.schemes._stencils import later
+
+
+def split(t: Topology, quads_from: int) -> Topology:
+    """Cut faces of `quads_from` corners or more in a quad a corner, smaller ones (triangles) in four.
+
+    Vertices keep their rows; the new vertex of edge e is row n + e; the centroids of the faces cut in quads follow in
+    the faces' order. The first half of half-edge h is half-edge 4 h. A triangle's children keep its order, one at each
+    corner and then the middle one turned by half; a quad begins at its corner, and runs over the middle of h, the
+    centroid and the middle before.
+    """
+    n, size = t.vertex_count, np.diff(t.face_offsets)
+    mesh = (t.face_offsets, t.face_vertices, t.following, t.face, t.twin, t.edge)
+    offsets, corners, twin = kernels.split_faces(*mesh, n, t.edge_count, quads_from)
+    child = Topology.from_twins(offsets, corners, twin, n + t.edge_count + int(np.count_nonzero(size >= quads_from)))
+    # An inner edge's two halves are the first halves of its half-edges; those of the boundary are sharp already.
+    sharp = np.flatnonzero((t.sharpness > 0)[t.edge])
+    child.sharpness[child.edge[4 * sharp]] = later(t.sharpness[t.edge[sharp]])
+    child.corner_sharpness[:n] = later(t.corner_sharpness)
+    return child
