@@ -17,10 +17,11 @@ from subdfit.fit.geometric import Geometric
 from subdfit.fit.lavoue import Lavoue, lavoue_start
 from subdfit.fit.result import FitResult, Iteration, Status
 from subdfit.fit.settings import FitSettings
+from subdfit.fit.sheets import mixes_sheets
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import badness, error_that_matters, within
 from subdfit.fit.thinning import Thinning
-from subdfit.initial.start import start_mesh
+from subdfit.initial.start import LARGEST_SHARE, start_mesh
 from subdfit.limit.surface import LimitSurface
 from subdfit.measure import Measurement, Outliers, measure
 from subdfit.mesh.control_mesh import ControlMesh
@@ -158,7 +159,7 @@ def fit_target(
     data = FitData.of(inside, settings.sample_spacing)
     run.timed("start", clock)
     clock = time.perf_counter()
-    state = run.excused(FitState.start(data, LimitSurface(mesh, settings.scheme)))
+    state = _parted(run, FitState.start(data, LimitSurface(mesh, settings.scheme)))
     run.timed("footpoints", clock)
     interrupted, measurement = False, None
     clock = time.perf_counter()
@@ -216,6 +217,20 @@ def _started(target: Target, settings: FitSettings) -> tuple[Target, ControlMesh
     scale = settings.tolerance.max or error_that_matters(settings.tolerance)
     budget, faces = settings.max_control_vertices, scheme_named(settings.scheme).faces
     return target, start_mesh(target, settings.control_vertices, scale, budget, faces)
+
+
+def _parted(run: _Run, state: FitState) -> FitState:
+    """The first state; with twice the control vertices, and again, where it would mix up the sheets of thin parts."""
+    settings, state = run.settings, run.excused(state)
+    chosen = settings.method != "lavoue" and settings.control_vertices is None
+    most = min(LARGEST_SHARE * len(run.target.used), settings.max_control_vertices or np.inf)
+    while chosen and 2 * state.surface.topology.vertex_count <= most:
+        if not mixes_sheets(state, METHODS[settings.method](settings)):
+            break
+        finer = replace(settings, control_vertices=2 * state.surface.topology.vertex_count)
+        mesh = _started(state.data.target, finer)[1]
+        state = run.excused(FitState.start(state.data, LimitSurface(mesh, settings.scheme)))
+    return state
 
 
 def _measured(run: _Run, state: FitState) -> Measurement:
