@@ -6,6 +6,7 @@ import trimesh
 
 import subdfit
 from subdfit.curves.fitting import fit_curve, fit_with, knots_removed, minimise, placed_by_curvature, two_sided_error
+from subdfit.curves.geometric import displacements, fit_geometric, inserted
 from subdfit.curves.loops import fit_loop
 from subdfit.curves.polyline import Polyline
 from subdfit.curves.squared_distance import tangential_weights
@@ -147,6 +148,30 @@ def test_no_more_control_points_than_knot_removal_leaves(target):
     found = fit_curve(target, tolerance)
     assert found.error <= tolerance
     assert len(found.curve.points) <= len(knots_removed(target, tolerance, begin=9).curve.points)
+
+
+@pytest.mark.parametrize("target", [circle(100), ellipse(), damped_wave()], ids=["circle", "ellipse", "wave"])
+def test_the_geometric_algorithm_fits_curves(target):
+    begin, tolerance = np.linspace(0, target.total, 6), 5e-4 * target.total
+    found = fit_geometric(target, SubdivisionCurve(target.at(begin[: 6 - target.closed]), target.closed), tolerance)
+    assert found.error <= 3 * tolerance  # samples of the curve between the target's points lie off its chords
+    assert found.iterations < 60
+    assert len(found.curve.points) < len(target.points) / 4
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_geometric_displacements_are_means_by_linear_coordinates(closed):
+    curve = SubdivisionCurve(np.arange(15.0).reshape(5, 3), closed)
+    errors = np.array([[1.0, 0, 0], [0, 3, 0]])
+    moved = displacements(curve, np.array([1.25, 1.75]), errors)
+    np.testing.assert_allclose(moved[1], 0.75 * errors[0] + 0.25 * errors[1])
+    np.testing.assert_allclose(moved[2], 0.25 * errors[0] + 0.75 * errors[1])
+    assert not moved[[0, 3, 4]].any()
+
+
+@pytest.mark.parametrize("curve", CURVES, ids=lambda c: f"{len(c.points)}{'closed' if c.closed else 'open'}")
+def test_halving_all_segments_is_subdivision(curve):
+    np.testing.assert_allclose(inserted(curve, np.arange(curve.length)).points, curve.refined().points)
 
 
 def test_a_straight_line_needs_its_ends_only():
