@@ -10,10 +10,10 @@ from subdfit.fit.changes import ring
 from subdfit.fit.descent import Descent, Part
 from subdfit.fit.faults import Faults, all_sides, curve_sides, cutting_sides
 from subdfit.fit.regions import Region, regions
-from subdfit.fit.reverse import Samples, sparse_curve_samples, sparse_samples, strays
+from subdfit.fit.reverse import sparse_curve_samples, sparse_samples, strays
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import Errors, FitState
-from subdfit.fit.stop import CURVE_FACTOR, badness, error_that_matters, within
+from subdfit.fit.stop import CURVE_FACTOR, error_that_matters, within
 from subdfit.fit.strays import Strays
 from subdfit.fit.tangent import TangentSettings
 from subdfit.measure import reverse_segments
@@ -25,6 +25,8 @@ LATE_STEPS, LATE_GAIN = 6, 0.99
 ENOUGH = 8
 """Points for each triangle of a face that take part in the steps while the control mesh still changes; errors are those
 of all points."""
+LATE_ENOUGH = 32
+"""Points for each triangle of a face that take part there."""
 CAP = 0.25
 """Most triangles, as a share, that one adaptation refines for their error."""
 POLYGON_CAP = CAP / 6
@@ -40,8 +42,6 @@ LATE_DAMPING = 1e-2
 """First damping of such a round: each is about another place, and a late split has few points to hold it."""
 REACH = 2
 """Rings of control vertices round the faults that move with them when faults are few."""
-NEARLY = 1.5
-"""Errors within this many tolerances are nearly there: the reverse side is looked at."""
 ROBUST = 3.0
 """Points farther than so many tolerances pull no harder, where outliers are expected."""
 
@@ -64,29 +64,25 @@ class Auto:
 
     def advance(self, state: FitState) -> FitState:
         """One round: the control mesh is adapted, then moved until that gains little; only there, if faults are few."""
-        nearly = badness(state, self.settings.tolerance) <= NEARLY
         topology, focus = state.surface.topology, None
         if self._begun:
             state, focus = self.adapt(state)
             if focus is None and self.stray(state) <= 1 and within(state, self.settings.tolerance):
                 return state
         final = self._begun and state.surface.topology is topology
-        self._begun, self._drawn = True, nearly
-        if focus is not None:
-            return self._moved_near(state, focus)
-        return self._moved_everywhere(state, self._strays.samples(state) if nearly else Samples.none(), final)
+        self._begun, self._drawn = True, focus is not None
+        return self._moved_everywhere(state, final) if focus is None else self._moved_near(state, focus)
 
     def stray(self, state: FitState) -> float:
         """How far samples of the surface lie off the target at most, in tolerances."""
         return self._strays.worst(state)
 
-    def _moved_everywhere(self, state: FitState, drawn: Samples, final: bool) -> FitState:
+    def _moved_everywhere(self, state: FitState, final: bool) -> FitState:
         """Move all control vertices, by some of the points as long as the control mesh still changes."""
         some, rows = (state, np.arange(len(state.face))) if final else state.thinned(ENOUGH)
-        samples = sparse_samples(state).joined(drawn)
         cells = np.ones(state.surface.domain.face_count, np.bool_)
         free = self._free(np.ones(state.surface.topology.vertex_count, np.bool_), state)
-        part = Part(some, samples, sparse_curve_samples(state, cells), free, STEPS, GAIN)
+        part = Part(some, sparse_samples(state), sparse_curve_samples(state, cells), free, STEPS, GAIN)
         return state.followed(self._descent.moved(part), rows)
 
     def _moved_near(self, state: FitState, focus: Flags) -> FitState:
@@ -106,7 +102,8 @@ class Auto:
         self, state: FitState, region: Region, cells: Flags, moving: Flags, insistence: float
     ) -> NDArray[np.float64]:
         """Control points of a region, (n, 3), after its own steps."""
-        spot, segments = region.state(state, cells), reverse_segments(state.surface.domain)
+        spot, _ = region.state(state, cells).thinned(LATE_ENOUGH)
+        segments = reverse_segments(state.surface.domain)
         samples = strays(spot.surface, state.data.target, -np.inf, region.inner, segments)
         part = Part(spot, samples, sparse_curve_samples(spot, region.inner), moving, LATE_STEPS, LATE_GAIN)
         descent = Descent(self._descent.weights, self._descent.bound, LATE_DAMPING)

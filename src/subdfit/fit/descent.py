@@ -12,6 +12,9 @@ from subdfit.fit.tangent import TangentSettings, curve_reverse_rows, merit, reve
 DAMPING_RANGE = (1e-4, 1e3)
 """Levenberg damping falls by 3 after a step that is kept and rises by 10 after one that is not, within this range."""
 
+TRIES = 2
+"""Most steps tried for each that may be kept."""
+
 
 @dataclass(frozen=True, eq=False)
 class Part:
@@ -22,7 +25,7 @@ class Part:
     state : the points that pull, on the whole surface.
     samples, curves : what is drawn to the target between the points.
     free : (n,) bool, the control vertices that may move.
-    steps : most steps.
+    steps : most steps that are kept.
     gain : the steps end when one leaves more than this share of the energy.
     """
 
@@ -59,7 +62,8 @@ class Descent:
         """
         state, samples, curves = part.state, part.samples, part.curves
         energy, system = merit(state, samples, curves, self.weights, self.bound, insistence), None
-        for _ in range(part.steps):
+        kept = 0
+        for _ in range(TRIES * part.steps):
             if system is None:
                 pulled = [reverse_rows(state, self.weights, samples, self.bound, insistence)]
                 pulled += [curve_reverse_rows(state, self.weights, found) for found in curves]
@@ -71,8 +75,8 @@ class Descent:
                 self.damping = min(self.damping * 10, DAMPING_RANGE[1])
                 continue
             self.damping = max(self.damping / 3, DAMPING_RANGE[0])
-            gain = left / energy
+            gain, kept = left / energy, kept + 1
             state, samples, energy, system = moved, fresh, left, None
-            if gain > part.gain:
+            if gain > part.gain or kept == part.steps:
                 break
         return state

@@ -9,7 +9,7 @@ from subdfit.closest.curves import SurfaceCurves
 from subdfit.fit.places import Places
 from subdfit.fit.state import FitState
 from subdfit.limit.surface import LimitSurface
-from subdfit.limit.tessellate import lattice
+from subdfit.limit.tessellate import Lattice, lattice
 from subdfit.measure import reverse_segments
 from subdfit.schemes.domain import CORNERS
 from subdfit.target.bvh import SegmentTree
@@ -17,6 +17,7 @@ from subdfit.target.target import Target
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+Rows = NDArray[np.int64]
 
 SPARSE = 3
 """Faces and sides of curves with fewer points than this are sampled."""
@@ -94,8 +95,15 @@ def strays(
     Where `cells` (c,) are flagged, those of these alone; `segments` a cell's side, where given.
     """
     grid = lattice(surface.domain, segments or reverse_segments(surface.domain))
-    rows = slice(None) if cells is None else np.flatnonzero(cells[grid.face])
+    rows = slice(None) if cells is None else _nodes_of(grid, cells)
     return Samples.of(surface, target, grid.face[rows], grid.uv[rows], bound)
+
+
+def _nodes_of(grid: Lattice, cells: Flags) -> Rows:
+    """Vertices of the lattice in the flagged cells, their sides included."""
+    found = np.zeros(len(grid.face), np.bool_)
+    found[grid.triangles[np.repeat(cells, np.diff(grid.begin))]] = True
+    return np.flatnonzero(found)
 
 
 def inner_samples(surface: LimitSurface, target: Target, cells: NDArray[np.int64]) -> Samples:

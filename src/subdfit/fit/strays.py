@@ -9,6 +9,7 @@ from subdfit.fit.places import Places
 from subdfit.fit.reverse import Samples, strays
 from subdfit.fit.state import FitState
 from subdfit.limit.surface import LimitSurface
+from subdfit.measure import reverse_segments
 
 Faces = NDArray[np.int64]
 
@@ -32,7 +33,6 @@ class Strays:
         self.bound = bound
         self._insistence = 1.0
         self._seen: tuple[LimitSurface, Samples] | None = None
-        self._carried = False
         self._cut = 0
         self._cutting_helps = True
 
@@ -41,33 +41,31 @@ class Strays:
         surface, target = state.surface, state.data.target
         if self.bound is None:
             return Samples.none()
-        if self._seen is None:
-            self._seen, self._carried = (surface, strays(surface, target, self.bound / 2)), False
-        elif self._seen[0] is not surface:
-            self._seen, self._carried = (surface, self._carried_over(*self._seen, state)), True
+        if self._seen is None or self._seen[0] is not surface:
+            self._seen = (surface, self._found(state))
         return self._seen[1]
 
-    def _carried_over(self, before: LimitSurface, found: Samples, state: FitState) -> Samples:
-        changed = changed_cells(before, state.surface)
-        kept = Samples.none() if changed.all() else found[~changed[found.face]]
-        return kept.joined(strays(state.surface, state.data.target, (self.bound or np.inf) / 2, changed))
+    def _found(self, state: FitState) -> Samples:
+        surface, bound = state.surface, (self.bound or np.inf) / 2
+        if self._seen is None or not _sampled_alike(self._seen[0], surface):
+            return strays(surface, state.data.target, bound)
+        before, found = self._seen
+        changed = changed_cells(before, surface)
+        if changed.all():
+            return strays(surface, state.data.target, bound)
+        return found[~changed[found.face]].joined(strays(surface, state.data.target, bound, changed))
 
     def worst(self, state: FitState) -> float:
-        """How far a sample strays at most, in bounds; where that is within it, with nothing carried over."""
-        if self._carried and self._worst(state) <= 1:
-            self._seen = None
-        return self._worst(state)
-
-    def _worst(self, state: FitState) -> float:
+        """How far a sample strays at most, in bounds."""
         return float(self.samples(state).gap.max(initial=0.0)) / (self.bound or np.inf)
 
     def faces(self, state: FitState) -> Faces:
-        """Faces whose samples stray beyond the bound, or nearly; the farthest first."""
+        """Faces whose samples stray beyond the bound, the farthest first."""
         found = self.samples(state)
         gap = np.zeros(state.surface.topology.face_count)
         np.maximum.at(gap, Places(state.surface).face[found.face], found.gap)
         order = np.argsort(-gap, kind="stable")
-        return order[gap[order] > 0.9 * (self.bound or np.inf)]
+        return order[gap[order] > (self.bound or np.inf)]
 
     def insist(self, state: FitState, within: bool) -> float:
         """Weight with which to draw samples now: more each time that some stray and the data are `within` tolerance.
@@ -76,7 +74,7 @@ class Strays:
         """
         if not within:
             self._insistence = max(self._insistence / INSISTENCE, 1.0)
-        elif self._worst(state) > 1 and self._insistence < MOST_INSISTENCE:
+        elif self.worst(state) > 1 and self._insistence < MOST_INSISTENCE:
             self._insistence *= INSISTENCE
         else:
             self._insistence, self._cutting_helps = 1.0, True
@@ -92,3 +90,7 @@ class Strays:
         if not self._cutting_helps:
             return faces[:0]
         return large_enough(state, faces)[: max(FEWEST, int(FEW * state.surface.topology.face_count))]
+
+
+def _sampled_alike(a: LimitSurface, b: LimitSurface) -> bool:
+    return reverse_segments(a.domain) == reverse_segments(b.domain)

@@ -46,10 +46,11 @@ def lattice(domain: Domain, segments: int) -> Lattice:
         numbers = np.concatenate([numbers, rows.ravel()])
         face = np.concatenate([face, np.repeat(cells, len(nodes))])
         uv = np.concatenate([uv, np.tile(np.array(nodes) / segments, (len(cells), 1))])
-    used, first = np.unique(numbers, return_index=True)
-    renumber = np.full(int(used.max(initial=-1)) + 1, -1, np.int32)
-    renumber[used] = np.arange(len(used))
-    return Lattice(face[first].astype(np.int32), uv[first], renumber[triangles], begin)
+    first = np.full(inner, -1, np.int64)
+    first[numbers[::-1]] = np.arange(len(numbers))[::-1]
+    used = first >= 0
+    renumber = np.cumsum(used, dtype=np.int32) - np.int32(1)
+    return Lattice(face[first[used]].astype(np.int32), uv[first[used]], renumber[triangles], begin)
 
 
 def manifold_triangles(domain: Domain, segments: int, grid: Lattice) -> NDArray[np.int32]:
