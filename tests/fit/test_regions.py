@@ -5,6 +5,7 @@ import pytest
 
 from shapes.parameters import SOME, inside, surface_of
 from subdfit.closest.curves import SurfaceCurves
+from subdfit.closest.projection import Projector
 from subdfit.fit.changes import faces_at, ring
 from subdfit.fit.places import Places
 from subdfit.fit.regions import Region, regions
@@ -76,3 +77,15 @@ def test_the_rim_is_no_boundary(scheme, name):
     if len(within):
         position = region.surface.evaluate(*part.locate(within, np.full(len(within), 0.5))).position
         assert whole.closest(position).distance.max() < 1e-12
+
+
+@pytest.mark.parametrize(("scheme", "name"), SOME)
+def test_footpoints_stay_on_the_region(scheme, name):
+    """Those of points elsewhere lie on the rim."""
+    surface = finer(scheme, name)
+    region = Region.of(surface, np.arange(surface.topology.face_count) < 3)
+    points = surface.vertex_limits()
+    found = Projector(region.surface).nearest(points)
+    assert found.face.min() >= 0
+    position = region.surface.evaluate(found.face, found.uv).position
+    np.testing.assert_allclose(np.linalg.norm(position - points, axis=1), found.distance, atol=1e-12)

@@ -63,7 +63,8 @@ class Projector:
         self.tolerance = 1e-8 * extent if tolerance is None else tolerance
         self.second_order = second_order
         domain = surface.domain
-        self._cells = kernels.Cells(domain.shape, domain.neighbour, domain.neighbour_side, domain.sharp)
+        ends = domain.sharp | (domain.neighbour < 0)
+        self._cells = kernels.Cells(domain.shape, domain.neighbour, domain.neighbour_side, ends)
 
     def refine(
         self,

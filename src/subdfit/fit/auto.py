@@ -9,24 +9,19 @@ from subdfit.fit.adapt import refined
 from subdfit.fit.changes import ring
 from subdfit.fit.descent import Descent, Part
 from subdfit.fit.faults import Faults, all_sides, curve_sides, cutting_sides
-from subdfit.fit.regions import Region, regions
-from subdfit.fit.reverse import sparse_curve_samples, sparse_samples, strays
+from subdfit.fit.reverse import sparse_curve_samples, sparse_samples
 from subdfit.fit.settings import FitSettings
+from subdfit.fit.spots import spots_moved
 from subdfit.fit.state import Errors, FitState
 from subdfit.fit.stop import CURVE_FACTOR, error_that_matters, within
 from subdfit.fit.strays import Strays
 from subdfit.fit.tangent import TangentSettings
-from subdfit.measure import reverse_segments
 
 STEPS, GAIN = 3, 0.9
 """Most steps in a round that moves everything, which ends when one leaves more than this share of the energy."""
-LATE_STEPS, LATE_GAIN = 6, 0.99
-"""The same where few faces are at fault: they count for little in the energy."""
 ENOUGH = 8
 """Points for each triangle of a face that take part in the steps while the control mesh still changes; errors are those
 of all points."""
-LATE_ENOUGH = 32
-"""Points for each triangle of a face that take part there."""
 CAP = 0.25
 """Most triangles, as a share, that one adaptation refines for their error."""
 POLYGON_CAP = CAP / 6
@@ -38,8 +33,6 @@ FEW = 0.01
 lies near moves."""
 LAST = 2
 """So few polygons are cut on all sides as well: one cut may go the wrong way."""
-LATE_DAMPING = 1e-2
-"""First damping of such a round: each is about another place, and a late split has few points to hold it."""
 REACH = 2
 """Rings of control vertices round the faults that move with them when faults are few."""
 ROBUST = 3.0
@@ -90,24 +83,9 @@ class Auto:
         topology, near = state.surface.topology, focus
         for _ in range(REACH):
             near = ring(topology, near)
-        near = self._free(near, state)
         insistence = self._strays.insist(state, within(state, self.settings.tolerance))
-        points = state.surface.control_mesh.points.copy()
-        for region, cells in regions(state.surface, near):
-            moving = near[region.vertices]
-            points[region.vertices[moving]] = self._spot_moved(state, region, cells, moving, insistence)[moving]
-        return state.onto(state.surface.with_points(points), state.face, state.uv)
-
-    def _spot_moved(
-        self, state: FitState, region: Region, cells: Flags, moving: Flags, insistence: float
-    ) -> NDArray[np.float64]:
-        """Control points of a region, (n, 3), after its own steps."""
-        spot, _ = region.state(state, cells).thinned(LATE_ENOUGH)
-        segments = reverse_segments(state.surface.domain)
-        samples = strays(spot.surface, state.data.target, -np.inf, region.inner, segments)
-        part = Part(spot, samples, sparse_curve_samples(spot, region.inner), moving, LATE_STEPS, LATE_GAIN)
-        descent = Descent(self._descent.weights, self._descent.bound, LATE_DAMPING)
-        return descent.moved(part, insistence).surface.control_mesh.points
+        descent = self._descent
+        return spots_moved(state, self._free(near, state), descent.weights, descent.bound, insistence)
 
     def _free(self, vertices: Flags, state: FitState) -> Flags:
         """Those of the flagged control vertices that may move."""

@@ -14,7 +14,6 @@ from subdfit.errors import InputError
 from subdfit.fit.auto import Auto
 from subdfit.fit.faults import Faults
 from subdfit.fit.lavoue_whole import cut_part, whole_start
-from subdfit.fit.reverse import Samples
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import badness
@@ -49,9 +48,9 @@ class Lavoue(Auto):
         self._descent.damping = max(self._descent.damping, DAMPING)
         return super().advance(state)
 
-    def _moved_everywhere(self, state: FitState, strays: Samples, final: bool) -> FitState:
+    def _moved_everywhere(self, state: FitState, final: bool) -> FitState:
         """By all points: few of them would leave large faces free to swing between."""
-        return super()._moved_everywhere(state, strays, True)
+        return super()._moved_everywhere(state, True)
 
     def adapt(self, state: FitState) -> tuple[FitState, NDArray[np.bool_] | None]:
         """Enrich unless the rounds still gain; then all control vertices move."""

@@ -38,7 +38,7 @@ class Strays:
 
     def samples(self, state: FitState) -> Samples:
         """Samples of the surface that stray by half the bound or more; only those of changed cells are found anew."""
-        surface, target = state.surface, state.data.target
+        surface = state.surface
         if self.bound is None:
             return Samples.none()
         if self._seen is None or self._seen[0] is not surface:

@@ -14,11 +14,14 @@ from numpy.typing import NDArray
 from subdfit.fit import _kernels as kernels
 from subdfit.fit.places import Places
 from subdfit.limit.surface import LimitSurface
+from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.parallel import map_chunks
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
+SMOOTHINGS = 20
+"""Steps that smooth a spot: enough to unfold a few rings of vertices."""
 PART = 24576
 """Rows whose sum is taken at one go; parts are added in their order, whatever the number of threads."""
 
@@ -194,3 +197,12 @@ def umbrella(edges: NDArray[np.int32], sharp: NDArray[np.bool_], count: int) -> 
     columns = np.concatenate([np.flatnonzero(valence), end])
     values = np.concatenate([np.ones(np.count_nonzero(valence)), -1.0 / valence[start]])
     return sp.csr_array((values, (rows, columns)), shape=(count, count))
+
+
+def smoothed(mesh: ControlMesh, moving: Flags) -> Floats:
+    """Control points, (n, 3), where the flagged ones have been drawn to the middle of their neighbours many times."""
+    t, points = mesh.topology, mesh.points.copy()
+    laplacian = umbrella(t.edge_vertices, t.sharpness > 0, t.vertex_count)
+    for _ in range(SMOOTHINGS):
+        points[moving] -= 0.5 * (laplacian @ points)[moving]
+    return points

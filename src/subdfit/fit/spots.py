@@ -1,0 +1,82 @@
+"""Spots where few faces are at fault: each moves as a surface of its own, and begins anew where it is stuck."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subdfit.fit.descent import Descent, Part
+from subdfit.fit.regions import regions
+from subdfit.fit.reverse import sparse_curve_samples, strays
+from subdfit.fit.state import FitState
+from subdfit.fit.system import smoothed
+from subdfit.fit.tangent import TangentSettings
+from subdfit.measure import reverse_segments
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+STEPS, GAIN = 6, 0.99
+"""Most steps of a spot, which ends when one leaves more than this share of the energy: few faces count for little."""
+ENOUGH = 32
+"""Points for each triangle of a face that take part."""
+DAMPING = 1e-2
+"""First damping of a spot: a late split has few points to hold it."""
+PERSISTENT = 4.0
+"""A spot that strays though its samples are drawn harder than so many times begins anew."""
+
+
+@dataclass(frozen=True, eq=False)
+class Spot:
+    """Control vertices that may move, and the region that they move.
+
+    Attributes
+    ----------
+    state : the data of the region.
+    inner : (cells,) bool, the cells of its surface that may move.
+    moving : (n,) bool, its control vertices that may.
+    segments : segments a cell's side for samples of the surface.
+    weights : of the terms of the energy.
+    bound : the error that matters, as a share of the diagonal.
+    """
+
+    state: FitState
+    inner: Flags
+    moving: Flags
+    segments: int
+    weights: TangentSettings
+    bound: float
+
+    def moved(self, insistence: float) -> Floats:
+        """Control points, (n, 3), after steps that draw samples by so many times their weight.
+
+        Where the surface has crumpled to meet the data, no pull smooths it: it begins anew, smooth, to be refined.
+        """
+        found = self._settled(self.state, insistence)
+        if insistence > PERSISTENT and found.errors.excess <= self.bound < self._strayed(found):
+            mesh = self.state.surface.control_mesh
+            anew = self.state.surface.with_points(smoothed(mesh, self.moving))
+            smooth = self._settled(FitState.start(self.state.data, anew), insistence)
+            found = smooth if self._strayed(smooth) <= self.bound else found
+        return found.surface.control_mesh.points
+
+    def _settled(self, state: FitState, insistence: float) -> FitState:
+        samples = strays(state.surface, state.data.target, -np.inf, self.inner, self.segments)
+        part = Part(state, samples, sparse_curve_samples(state, self.inner), self.moving, STEPS, GAIN)
+        return Descent(self.weights, self.bound, DAMPING).moved(part, insistence)
+
+    def _strayed(self, state: FitState) -> float:
+        found = strays(state.surface, state.data.target, self.bound, self.inner, self.segments)
+        return float(found.gap.max(initial=0.0))
+
+
+def spots_moved(state: FitState, moving: Flags, weights: TangentSettings, bound: float, insistence: float) -> FitState:
+    """The state after the flagged control vertices, (n,), have moved, those of each spot by themselves."""
+    points = state.surface.control_mesh.points.copy()
+    segments = reverse_segments(state.surface.domain)
+    for region, cells in regions(state.surface, moving):
+        free = moving[region.vertices]
+        some, _ = region.state(state, cells).thinned(ENOUGH)
+        spot = Spot(some, region.inner, free, segments, weights, bound)
+        points[region.vertices[free]] = spot.moved(insistence)[free]
+    return state.onto(state.surface.with_points(points), state.face, state.uv)
