@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.target.features import mesh_edges
-from subdfit.target.normals import sector_normals
+from subdfit.target.normals import sector_normals, vertex_normals
 
 
 def sagitta(
@@ -24,11 +24,7 @@ def sagitta(
     triangles : (m, 3) int, rows of `points`, oriented alike.
     crease_edges : (c, 2) int, rows of `points`: edges across which the surface is not smooth.
     """
-    triangles = np.asarray(triangles, np.int64)
-    edges = mesh_edges(points, triangles)
-    creases = np.sort(np.asarray(crease_edges, np.int64).reshape(-1, 2), axis=1) @ [len(points), 1]
-    smooth = (edges.valence == 2) & ~np.isin(edges.vertices @ [len(points), 1], creases)
-    normals = sector_normals(points, triangles, edges.vertices[smooth], edges.faces[smooth])
+    normals = _corner_normals(points, triangles, np.asarray(crease_edges, np.int64).reshape(-1, 2))
     corners = points[triangles]
     rise = np.zeros((3, len(triangles), 3))
     for i in range(3):
@@ -39,3 +35,20 @@ def sagitta(
     middle: NDArray[np.float64] = np.linalg.norm(rise, axis=2).max(axis=0) / 8.0
     centre: NDArray[np.float64] = np.linalg.norm(rise.sum(axis=0), axis=1) / 18.0
     return np.maximum(middle, centre)
+
+
+def _corner_normals(
+    points: NDArray[np.float64], triangles: NDArray[np.integer], creases: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Normals of the corners' smooth sectors, (m, 3, 3): the vertices' own where no crease meets them."""
+    normals = vertex_normals(points, triangles)[triangles]
+    at_crease = np.zeros(len(points), np.bool_)
+    at_crease[creases] = True
+    touched = at_crease[triangles]
+    rows = np.flatnonzero(touched.any(axis=1))
+    edges = mesh_edges(points, triangles[rows])
+    keys = np.sort(creases, axis=1) @ [len(points), 1]
+    smooth = (edges.valence == 2) & ~np.isin(edges.vertices @ [len(points), 1], keys)
+    sectors = sector_normals(points, triangles[rows], edges.vertices[smooth], edges.faces[smooth])
+    normals[rows] = np.where(touched[rows][:, :, None], sectors, normals[rows])
+    return np.asarray(normals)
