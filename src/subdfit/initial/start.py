@@ -72,9 +72,18 @@ def start_mesh(
     if found.message:
         logger.warning("%s", found.message)
     mesh = ControlMesh.from_triangles(
-        found.points, found.triangles, crease_edges=found.crease_edges, corner_vertices=found.corners
+        found.points, _one_sided(found.triangles), crease_edges=found.crease_edges, corner_vertices=found.corners
     )
     return mesh if faces == "triangles" else pair_triangles(mesh)
+
+
+def _one_sided(triangles: Rows) -> Rows:
+    """The triangles without the second of two back to back, which have all edges in common.
+
+    Their vertices have two faces each, as no limit surface of triangles allows.
+    """
+    _, first = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
+    return triangles[np.sort(first)]
 
 
 def _coarse_enough(points: Floats, triangles: Rows, creases: Rows, bound: float, budget: int) -> Decimated:
