@@ -21,3 +21,32 @@ def can(
     fans.append(np.stack([i[-1], np.roll(i[-1], -1), np.full(sections, high)], 1))
     points = np.concatenate([wall.reshape(-1, 3), [[0, 0, -height / 2], [0, 0, height / 2]]])
     return points, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]], *fans])
+
+
+def shaft(sections: int = 48, step: float = 0.12) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """A closed stepped shaft round z: two cylinders of radii 1 and .5, two lids, and a ring between."""
+    stops = np.array([[0, -1], [1, -1], [1, 0.2], [0.5, 0.2], [0.5, 1.4], [0, 1.4]])
+    count = np.ceil(np.linalg.norm(np.diff(stops, axis=0), axis=1) / step).astype(int)
+    along = np.repeat(np.arange(len(count)), count) + np.concatenate([np.arange(k) / k for k in count])
+    r, z = (np.interp(along, np.arange(len(stops)), column) for column in stops.T)
+    r, z = np.append(r, 0.0)[1:-1], np.append(z, 1.4)[1:-1]
+    angle = 2 * np.pi * np.arange(sections) / sections
+    rings = np.stack([np.outer(r, np.cos(angle)), np.outer(r, np.sin(angle)), np.outer(z, np.ones(sections))], -1)
+    i = np.arange(rings.shape[0] * sections).reshape(rings.shape[:2])
+    a, b, c, d = i[:-1], np.roll(i[:-1], -1, 1), np.roll(i[1:], -1, 1), i[1:]
+    quads = np.stack([a, b, c, d], -1).reshape(-1, 4)
+    fans = [np.stack([np.roll(i[0], -1), i[0], np.full(sections, i.size)], 1)]
+    fans.append(np.stack([i[-1], np.roll(i[-1], -1), np.full(sections, i.size + 1)], 1))
+    points = np.concatenate([rings.reshape(-1, 3), [[0, 0, -1], [0, 0, 1.4]]])
+    return points, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]], *fans])
+
+
+def with_slivers(
+    points: NDArray[np.float64], triangles: NDArray[np.int64]
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """The same surface with a vertex in every other triangle, so near its first side that what is left is a needle."""
+    cut = triangles[::2]
+    middle = len(points) + np.arange(len(cut))
+    fresh = np.einsum("k,tkd->td", [0.47, 0.5, 0.03], points[cut])
+    parts = [np.column_stack([cut[:, k], cut[:, (k + 1) % 3], middle]) for k in range(3)]
+    return np.concatenate([points, fresh]), np.concatenate([triangles[1::2], *parts])
