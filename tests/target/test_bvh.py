@@ -207,6 +207,17 @@ def test_segments_agree_with_brute_force():
     np.testing.assert_allclose(distance[row, found.segment], found.distance, rtol=1e-14)
 
 
+def test_points_on_a_chain_of_segments_are_found_on_them():
+    """Segments are triangles without area; a query in line with one must not be taken for a point inside it."""
+    chain = np.linspace([0, 0, 0], [1, 2, 3], 30)
+    rows = np.arange(29)
+    for t in (0.0, 0.25, 0.5, 0.75):
+        queries = chain[:-1] + t * (chain[1:] - chain[:-1])
+        found = SegmentTree(chain, np.stack([rows, rows + 1], 1)).closest(queries)
+        np.testing.assert_allclose(found.distance, 0.0, atol=1e-15)
+        np.testing.assert_allclose(found.segment + found.parameter, rows + t, atol=1e-12)
+
+
 @pytest.mark.parametrize(
     ("points", "triangles", "text"),
     [

@@ -11,6 +11,11 @@ from subdfit.curves.subdivision_curve import SubdivisionCurve
 
 Floats = NDArray[np.float64]
 
+POINTS = 2
+"""Points of a polyline for a control point, at least: with fewer its own segments are the better curve."""
+TURN = 0.8
+"""A chain that no curve follows is cut where it turns by so much of the most it does."""
+
 
 @dataclass(frozen=True)
 class FittedLoop:
@@ -45,19 +50,28 @@ def fit_loop(target: Polyline, tolerance: float, *, least: int = 3) -> FittedLoo
         Begins at the first sharp point, if there is one.
     """
     cuts = target.sharp_points()
-    parts = target.parts(cuts)
     if len(cuts) == 0:
         fit = fit_curve(target, tolerance)
-        curve = fit.curve if len(fit.curve.points) >= least else fit_with(target, least).curve
-        return _joined(target, [curve])
+        if fit.error <= tolerance:
+            return _joined(target, [fit.curve if len(fit.curve.points) >= least else fit_with(target, least).curve])
+        cuts = target.sharpest(TURN)
+    parts = [piece for part in target.parts(cuts) for piece in _pieces(part, tolerance)]
     # A single part begins and ends at one point: three segments are the least that enclose anything.
-    curves = [fit_curve(part, tolerance).curve for part in parts]
+    curves = [curve for _, curve in parts]
     if len(parts) == 1 and len(curves[0].points) < 4:
-        curves = [fit_with(parts[0], 4).curve]
+        curves = [fit_with(parts[0][0], 4).curve]
     while sum(curve.length for curve in curves) < least:
-        longest = int(np.argmax([part.total / curve.length for part, curve in zip(parts, curves, strict=True)]))
-        curves[longest] = fit_with(parts[longest], len(curves[longest].points) + 1).curve
+        longest = int(np.argmax([part.total / curve.length for (part, _), curve in zip(parts, curves, strict=True)]))
+        curves[longest] = fit_with(parts[longest][0], len(curves[longest].points) + 1).curve
     return _joined(target, curves)
+
+
+def _pieces(part: Polyline, tolerance: float) -> list[tuple[Polyline, SubdivisionCurve]]:
+    """An open part and its curve; cut where it turns most while none of few control points meets the tolerance."""
+    fit = fit_curve(part, tolerance, most=max(len(part.points) // POINTS, 2))
+    if fit.error <= tolerance or len(part.points) == 2:
+        return [(part, fit.curve)]
+    return [piece for half in part.parts(part.sharpest(TURN)) for piece in _pieces(half, tolerance)]
 
 
 def _joined(target: Polyline, curves: list[SubdivisionCurve]) -> FittedLoop:

@@ -7,8 +7,12 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from subdfit.target.bvh import SegmentTree
+
 Floats = NDArray[np.float64]
 
+FEW = 64
+"""Segments that are faster looked at one by one than through a tree."""
 _TURN = 40.0
 """Degrees by which a polyline turns at a sharp point."""
 _SHARE = 0.75
@@ -61,20 +65,29 @@ class Polyline:
 
     def closest(self, queries: Floats) -> tuple[Floats, Floats]:
         """Arc lengths (q,) and distances (q,) of the closest points of the chain."""
+        segment = self._nearest(queries)
+        begin, end = (ends[segment] for ends in self._ends)
+        along = end - begin
+        square = np.maximum(np.einsum("qd,qd->q", along, along), 1e-300)
+        t = np.clip(np.einsum("qd,qd->q", queries - begin, along) / square, 0, 1)
+        foot = begin + t[:, None] * along
+        return self.arc[segment] + t * self.lengths[segment], np.linalg.norm(queries - foot, axis=1)
+
+    def _nearest(self, queries: Floats) -> NDArray[np.int64]:
+        if len(self.lengths) > FEW:
+            return self._tree.closest(np.ascontiguousarray(queries, np.float64)).segment.astype(np.int64)
         begin, end = self._ends
-        direction = end - begin
-        square = np.maximum(np.sum(direction**2, axis=1), 1e-300)
-        arcs, distances = np.empty(len(queries)), np.empty(len(queries))
-        for first in range(0, len(queries), 256):
-            chunk = queries[first : first + 256]
-            t = np.clip(np.einsum("qsk,sk->qs", chunk[:, None] - begin, direction) / square, 0, 1)
-            foot = begin + t[..., None] * direction
-            squares = np.sum((chunk[:, None] - foot) ** 2, axis=2)
-            best = np.argmin(squares, axis=1)
-            rows = np.arange(len(chunk))
-            arcs[first : first + 256] = self.arc[best] + t[rows, best] * self.lengths[best]
-            distances[first : first + 256] = np.sqrt(squares[rows, best])
-        return arcs, distances
+        along = end - begin
+        square = np.maximum(np.sum(along**2, axis=1), 1e-300)
+        t = np.clip(np.einsum("qsk,sk->qs", queries[:, None] - begin, along) / square, 0, 1)
+        gap = queries[:, None] - (begin + t[..., None] * along)
+        return np.asarray(np.argmin(np.sum(gap**2, axis=2), axis=1), np.int64)
+
+    @cached_property
+    def _tree(self) -> SegmentTree:
+        rows = np.arange(len(self.points))
+        ends = np.stack([rows, np.roll(rows, -1)], axis=1)
+        return SegmentTree(self.points, ends if self.closed else ends[:-1])
 
     def curvature(self, arc: Floats, window: float) -> tuple[Floats, Floats]:
         """Curvature vectors and unit tangents (k, 3) at arc lengths, from the chords to half a window either way.
@@ -107,6 +120,12 @@ class Polyline:
             if near[k] >= _SHARE * far[k] and not self._within(at[found], at[k], reach).any():
                 found.append(int(k))
         return np.sort(inner[found]).astype(np.int64)
+
+    def sharpest(self, share: float) -> NDArray[np.int64]:
+        """Points at which the chain itself turns by a share of the most it does, row numbers; never an open end."""
+        inner = np.arange(len(self.points)) if self.closed else np.arange(1, len(self.points) - 1)
+        turn = self._turn(self.arc[inner], 1e-3 * float(self.lengths.min()))
+        return np.asarray(inner[turn >= share * turn.max(initial=0.0)], np.int64)
 
     def _turn(self, arc: Floats, reach: float) -> Floats:
         """Degrees between the chords to `reach` before and behind."""

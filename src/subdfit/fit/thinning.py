@@ -35,6 +35,8 @@ STEPS, GAIN = 4, 0.98
 """Most steps of a trial, which ends when one leaves more than this share of the energy."""
 DAMPING = 1e-2
 """Their first damping: large faces leave directions in which little holds their vertices."""
+SETTLING = 8
+"""Rounds in which the reverse side may come within tolerance before anything is taken out."""
 PATIENCE = 3
 """Trials in sequence from which nothing is kept, after which no more is tried."""
 
@@ -71,7 +73,8 @@ class Thinning:
         self._bound = error_that_matters(settings.tolerance)
 
     def lighter(self, state: FitState) -> Iterator[FitState]:
-        """Ever lighter fits, both sides of each within tolerance, from one that is."""
+        """Ever lighter fits, both sides of each within tolerance, from one whose data are."""
+        state = self._settled(state)
         merging = () if state.surface.scheme.faces == "triangles" else (merges,)
         for candidates in (collapses, *merging):
             names, tried, fruitless = np.arange(state.surface.topology.vertex_count), Tried(), 0
@@ -82,6 +85,15 @@ class Thinning:
                 if trial is not None:
                     state, names, fruitless = trial.state, names[trial.rows], 0
                     yield state
+
+    def _settled(self, state: FitState) -> FitState:
+        """The state moved until both its sides hold; as it was, where a few rounds do not bring that about."""
+        moved = state
+        for _ in range(SETTLING):
+            if self._holds(moved):
+                return moved
+            moved = self._moved(moved)
+        return state
 
     def _apart(self, state: FitState, names: Rows, tried: Tried, candidates: Candidates) -> list[Change]:
         """Changes that have no vertex of their faces in common, cheapest first."""

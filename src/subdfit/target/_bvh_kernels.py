@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 from subdfit.compiled import kernel
 from subdfit.target._bvh_build_kernels import STACK_SIZE, Indices, Reals
 
+FLAT = 1e-28
+"""Squared sine of a corner below which a triangle has no plane: fused products make rounding errors of what is 0."""
+
 
 @kernel
 def _box_squared(boxes: Reals, node: int, side: int, x: float, y: float, z: float) -> float:
@@ -44,6 +47,8 @@ def closest_on_triangle(corners: Reals, slot: int, x: float, y: float, z: float)
     px, py, pz = x - ax, y - ay, z - az
     nx, ny, nz = by * cz - bz * cy, bz * cx - bx * cz, bx * cy - by * cx
     squared = nx * nx + ny * ny + nz * nz
+    if not squared > FLAT * (bx * bx + by * by + bz * bz) * (cx * cx + cy * cy + cz * cz):
+        squared = np.nan
     u = ((py * cz - pz * cy) * nx + (pz * cx - px * cz) * ny + (px * cy - py * cx) * nz) / squared
     v = ((by * pz - bz * py) * nx + (bz * px - bx * pz) * ny + (bx * py - by * px) * nz) / squared
     if u >= 0.0 and v >= 0.0 and u + v <= 1.0:
