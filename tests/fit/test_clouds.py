@@ -146,11 +146,13 @@ def test_what_strays_between_the_points_is_not_certified():
 
 
 def test_beyond_a_ragged_rim_the_surface_may_reach_for_the_next_point():
-    """Feet on the rim are allowed its edge, others the sagitta, which is 0 on a plane."""
+    """In the plane of the triangle, by the length of the edge; above it by the sagitta, which is 0 on a plane."""
     points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [3, 3, 0]], float)
     target = cloud_target(points, [[0, 1, 2], [2, 1, 3]])
-    found = target.tree.closest(np.array([[0.3, -0.2, 0.0], [0.2, 0.3, 0.1], [1.0, 1.0, 0.2], [4.0, 4.0, 0.0]]))
-    np.testing.assert_allclose(target.allowance(found), [1, 0, 0, np.sqrt(13)], atol=1e-12)
+    queries = np.array([[0.3, -0.2, 0], [0.3, -0.2, 0.3], [0.3, -1.4, 0.3], [0.2, 0.3, 0.1], [1, 1, 0.2], [4, 4, 0]])
+    found = target.tree.closest(queries)
+    held = found.distance - target.allowance(queries, found)
+    np.testing.assert_allclose(held, [0, 0.3, 0.5, 0.1, 0.2, 0], atol=1e-12)
 
 
 @pytest.mark.parametrize("bound", [0.5, None])

@@ -53,7 +53,7 @@ class Samples:
             return cls.none()
         position = surface.evaluate(face, uv).position
         found = target.tree.closest(position)
-        gap = found.distance - target.allowance(found)
+        gap = found.distance - target.allowance(position, found)
         far = slice(None) if bound is None else np.flatnonzero(gap > bound)
         foot = target.on_triangles(found.triangle[far], found.uv[far])
         length = found.distance[far][:, None]

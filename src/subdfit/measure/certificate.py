@@ -167,7 +167,7 @@ def _reverse(surface: LimitSurface, target: Target) -> tuple[Floats, Floats]:
     if not target.is_mesh:
         return target.nearest_point(samples), np.zeros(len(samples))
     found = target.tree.closest(samples)
-    return found.distance, target.allowance(found)
+    return found.distance, target.allowance(samples, found)
 
 
 def _samples_excess(projector: Projector, target: Target, spacing: float) -> float:

@@ -14,7 +14,7 @@ from subdfit.target.curves import boundary_edges
 from subdfit.target.faceting import sagitta
 from subdfit.target.features import automatic_creases, crease_edges
 from subdfit.target.frame import Frame
-from subdfit.target.normals import vertex_normals
+from subdfit.target.normals import face_normals, vertex_normals
 
 Creases = Literal["auto", "none"] | float
 
@@ -89,18 +89,24 @@ class Target:
         """How far the surface that the mesh stands for may lie off each triangle, (m,) float64."""
         return sagitta(self.points, self.triangles, self.crease_edges)
 
-    def allowance(self, found: Closest) -> NDArray[np.float64]:
-        """How far the surface may lie off its feet `found` on the triangles for no fault of its own, (q,).
+    def allowance(self, queries: NDArray[np.float64], found: Closest) -> NDArray[np.float64]:
+        """How far queries, (q, 3), may lie off their feet `found` on the triangles for no fault of the surface, (q,).
 
-        By the sagitta of the triangle; beyond the rim of a cloud, which is as ragged as the points are apart, by the
-        distance to the next point along it.
+        By the sagitta of the triangle; and beyond the rim of a cloud, which is as ragged as the points are apart, in
+        the plane of the triangle, by the distance to the next point along it.
         """
         allowed: NDArray[np.float64] = self.sagitta[found.triangle]
         if not self.cloud or self.boundary_tree is None:
             return allowed
-        rim = self.boundary_tree.closest(self.on_triangles(found.triangle, found.uv))
+        feet = self.on_triangles(found.triangle, found.uv)
+        rim = self.boundary_tree.closest(feet)
+        on_rim = rim.distance <= _ON_RIM * self.diagonal
         step = np.linalg.norm(np.diff(self.points[self.boundary_edges[rim.segment]], axis=1)[:, 0], axis=1)
-        return np.where(rim.distance <= _ON_RIM * self.diagonal, np.maximum(allowed, step), allowed)
+        normal = face_normals(self.points, self.triangles[found.triangle])
+        above = np.abs(np.einsum("kd,kd->k", queries - feet, normal))
+        beyond = np.sqrt(np.maximum(found.distance**2 - above**2, 0.0))
+        held = np.hypot(above, np.maximum(beyond - step, 0.0))
+        return allowed + np.where(on_rim, found.distance - held, 0.0)
 
 
 def mesh_target(points: NDArray[np.float64], triangles: NDArray[np.integer], *, creases: Creases = "auto") -> Target:
