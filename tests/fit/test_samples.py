@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from subdfit.closest.curves import SurfaceCurves
+from subdfit.fit.adapt import refined
 from subdfit.fit.auto import Auto
 from subdfit.fit.changes import cells_moved_by, changed_cells
 from subdfit.fit.data import FitData
@@ -15,6 +16,7 @@ from subdfit.fit.strays import Strays
 from subdfit.limit import LimitSurface
 from subdfit.measure import Tolerance
 from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.mesh.topology import Topology
 from subdfit.target.frame import Frame
 from subdfit.target.target import Target, mesh_target
 
@@ -175,3 +177,19 @@ def test_strays_are_carried_where_nothing_changed(state: FitState) -> None:
     places = [{(int(f), *uv) for f, uv in zip(s.face, s.uv, strict=True)} for s in (carried, anew)]
     assert places[0] == places[1]
     assert carried.gap.max() == pytest.approx(anew.gap.max(), rel=1e-12)
+
+
+def test_faces_without_data_are_refined() -> None:
+    points, triangles = grid(2)
+    target = mesh_target(points, triangles, creases="none")
+    data = FitData.of(target.normalised(Frame.of(target.points)), 1.0)
+    points, _ = grid(8)
+    low = (np.arange(8)[:, None] * 9 + np.arange(8)).ravel()
+    quads = np.column_stack([low, low + 1, low + 10, low + 9])
+    topology = Topology.from_faces(np.arange(0, 4 * len(quads) + 1, 4), quads.ravel(), len(points))
+    mesh = ControlMesh(topology, data.target.points.min(axis=0) + points / target.diagonal)
+    state = FitState.start(data, LimitSurface(mesh, "catmull-clark"))
+    # The third face of the third row: neither it nor its neighbours have any of the nine points.
+    finer = refined(state, topology.face == 18)
+    assert finer.surface.topology.face_count > topology.face_count
+    np.testing.assert_allclose(finer.distance, state.distance, atol=1e-9)

@@ -129,7 +129,7 @@ def _carried(state: FitState, fine: LimitSurface, parent: Rows) -> tuple[NDArray
     place = np.arange(len(point)) - np.repeat(np.cumsum(count[face]) - count[face] - begin[face], count[face])
     distance = np.linalg.norm(position[parts[place]] - state.data.points[point], axis=1)
     order = np.lexsort((distance, point))
-    nearest = order[np.r_[True, point[order][1:] != point[order][:-1]]]
+    nearest = order[np.flatnonzero(np.diff(point[order], prepend=-1))]
     cell[other] = parts[place[nearest]]
     uv[other] = middles[cell[other]]
     return cell.astype(np.int32), uv
