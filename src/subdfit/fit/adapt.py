@@ -136,7 +136,12 @@ def _carried(state: FitState, fine: LimitSurface, parent: Rows) -> tuple[NDArray
 
 
 def _kept_cells(coarse: LimitSurface, fine: LimitSurface, parent: Rows) -> Rows:
-    """The cell of the finer surface that each of the coarse one is, (cells,); -1 in faces that were cut or changed."""
+    """The cell of the finer surface that each of the coarse one is, (cells,); -1 in faces that were cut or changed.
+
+    Where cells are whole faces on one and parts of them on the other, none is.
+    """
+    if coarse.domain.parts != fine.domain.parts:
+        return np.full(coarse.domain.face_count, -1)
     old, new = coarse.topology, fine.topology
     child = np.searchsorted(parent, np.arange(old.face_count))
     first, then = old.face_offsets[:-1], new.face_offsets[child]

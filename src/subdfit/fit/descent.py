@@ -71,7 +71,7 @@ class Descent:
             moved = state.moved(state.surface.control_mesh.points + system.solve(self.damping))
             fresh = samples.renewed(moved.surface, state.data.target)
             left = merit(moved, fresh, curves, self.weights, self.bound, insistence)
-            if left > energy:
+            if left >= energy:
                 self.damping = min(self.damping * 10, DAMPING_RANGE[1])
                 continue
             self.damping = max(self.damping / 3, DAMPING_RANGE[0])
