@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from subdfit.closest.curves import CurveProjection
 from subdfit.fit import _kernels as kernels
-from subdfit.fit.reverse import CurveSamples, Samples
+from subdfit.fit.reverse import TOUCHING, CurveSamples, Samples
 from subdfit.fit.state import FitState
 from subdfit.fit.system import Rows, System
 
@@ -20,6 +20,9 @@ Floats = NDArray[np.float64]
 
 MOST_PULL = 300.0
 """A sample far off weighs at most this many times one that is near."""
+
+ENDED = 0.5
+"""Share of a gap along the curve from which the curve is taken to end there."""
 
 INNER = 0.99
 """A point nearer to the surface than this share of its distance from the boundary curve lies inside the curve."""
@@ -120,10 +123,13 @@ def _direction_metric(d: Floats, along: Floats | float, across: float) -> Floats
 
 
 def _curve_rows(state: FitState, curve: CurveProjection, rows: NDArray[np.int64], settings: TangentSettings) -> Rows:
-    across = _direction_metric(curve.tangent, settings.tangential, 1 / settings.tangential)
-    metric = curve_weights(state, curve, rows, settings)[:, None] * across
-    weights = state.surface.patch_weights(curve.face, curve.uv)
-    return Rows(*weights, metric, state.data.points[rows] - curve.position)
+    residual = state.data.points[rows] - curve.position
+    metric = _direction_metric(curve.tangent, settings.tangential, 1 / settings.tangential)
+    # Only where a curve ends does a gap run along it: the end is to follow, in all directions.
+    along = np.abs(np.einsum("kd,kd->k", residual, curve.tangent))
+    metric[along > ENDED * np.maximum(curve.distance, TOUCHING)] = [1, 0, 0, 1, 0, 1]
+    metric *= curve_weights(state, curve, rows, settings)[:, None]
+    return Rows(*state.surface.patch_weights(curve.face, curve.uv), metric, residual)
 
 
 def huber(distance: Floats, scale: float) -> Floats:
