@@ -11,8 +11,10 @@ from subdfit.fit.data import FitData
 from subdfit.fit.regions import regions
 from subdfit.fit.reverse import CurveSamples, inner_samples, strays
 from subdfit.fit.settings import FitSettings
+from subdfit.fit.spots import Spot
 from subdfit.fit.state import FitState
 from subdfit.fit.strays import Strays
+from subdfit.fit.tangent import TangentSettings
 from subdfit.limit import LimitSurface
 from subdfit.measure import Tolerance
 from subdfit.mesh.control_mesh import ControlMesh
@@ -193,3 +195,15 @@ def test_faces_without_data_are_refined() -> None:
     finer = refined(state, topology.face == 18)
     assert finer.surface.topology.face_count > topology.face_count
     np.testing.assert_allclose(finer.distance, state.distance, atol=1e-9)
+
+
+def test_a_spot_without_data_is_drawn_to_the_target(state: FitState) -> None:
+    """Where it goes on straying it begins anew, too."""
+    moving = np.arange(state.surface.topology.vertex_count) == 20
+    ((region, _),) = regions(state.surface, moving)
+    free = moving[region.vertices]
+    none = FitState.start(state.data.subset(np.empty(0, np.int64)), region.surface)
+    points = Spot(none, region.inner, free, 3, TangentSettings(), 1e-9).moved(insistence=8.0)
+    before = region.surface.control_mesh.points
+    assert np.array_equal(points[~free], before[~free])
+    assert not np.array_equal(points[free], before[free])

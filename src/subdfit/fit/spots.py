@@ -53,7 +53,7 @@ class Spot:
         Where the surface has crumpled to meet the data, no pull smooths it: it begins anew, smooth, to be refined.
         """
         found = self._settled(self.state, insistence)
-        if insistence > PERSISTENT and found.errors.excess <= self.bound < self._strayed(found):
+        if insistence > PERSISTENT and found.excess.max(initial=0.0) <= self.bound < self._strayed(found):
             mesh = self.state.surface.control_mesh
             anew = self.state.surface.with_points(smoothed(mesh, self.moving))
             smooth = self._settled(FitState.start(self.state.data, anew), insistence)
