@@ -3,24 +3,12 @@
 import numpy as np
 import pytest
 
-from shapes.parameters import SOME, inside, surface_of
+from shapes.parameters import SOME, finer, inside
 from subdfit.closest.curves import SurfaceCurves
 from subdfit.closest.projection import Projector
 from subdfit.fit.changes import faces_at, ring
 from subdfit.fit.places import Places
 from subdfit.fit.regions import Region, regions
-from subdfit.limit import LimitSurface
-from subdfit.mesh.control_mesh import ControlMesh
-
-
-def finer(scheme, name):
-    """The surface of a shape refined twice, so that there is something outside of a region."""
-    surface = surface_of(scheme, name)
-    mesh = surface.control_mesh
-    for _ in range(2):
-        step = surface.scheme.refine(mesh.topology)
-        mesh = ControlMesh(step.child, step.refined(mesh.points), mesh.scheme)
-    return LimitSurface(mesh, surface.scheme)
 
 
 def assert_alike(whole, part, cells, inner):

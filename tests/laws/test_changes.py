@@ -3,21 +3,11 @@
 import numpy as np
 import pytest
 
-from shapes.parameters import SOME, inside, surface_of
+from shapes.parameters import SOME, finer, inside
 from subdfit.fit.changes import cells_moved_by, changed_cells
 from subdfit.limit import LimitSurface
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.mesh.editor import MeshEditor
-
-
-def finer(scheme, name):
-    """The surface of a shape refined twice, so that there is something out of reach."""
-    surface = surface_of(scheme, name)
-    mesh = surface.control_mesh
-    for _ in range(2):
-        step = surface.scheme.refine(mesh.topology)
-        mesh = ControlMesh(step.child, step.refined(mesh.points), mesh.scheme)
-    return LimitSurface(mesh, surface.scheme)
 
 
 @pytest.mark.parametrize(("scheme", "name"), SOME)

@@ -11,6 +11,7 @@ from shapes.polygons import POLYGONS
 from shapes.zoo import ZOO, mesh_of
 from subdfit.errors import InputError
 from subdfit.limit import LimitSurface
+from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.schemes import SCHEMES
 from subdfit.schemes._doo_sabin_curves import Curves
 from subdfit.schemes.domain import TRIANGLE
@@ -194,3 +195,13 @@ def child_of(scheme, topology, face, uv):
         better = inner > best
         best[better], child[better], local[better] = inner[better], tried[better], there[better]
     return child, local, inverse[child]
+
+
+def finer(scheme, name):
+    """The surface of a shape refined twice, so that there is something out of reach."""
+    surface = surface_of(scheme, name)
+    mesh = surface.control_mesh
+    for _ in range(2):
+        step = surface.scheme.refine(mesh.topology)
+        mesh = ControlMesh(step.child, step.refined(mesh.points), mesh.scheme)
+    return LimitSurface(mesh, surface.scheme)
