@@ -11,7 +11,6 @@ from subdfit.fit.tangent import TangentSettings, curve_reverse_rows, merit, reve
 
 DAMPING_RANGE = (1e-4, 1e3)
 """Levenberg damping falls by 3 after a step that is kept and rises by 10 after one that is not, within this range."""
-
 TRIES = 2
 """Most steps tried for each that may be kept."""
 
@@ -22,7 +21,7 @@ class Part:
 
     Attributes
     ----------
-    state : the points that pull, on the whole surface.
+    state : the surface and the points that pull.
     samples, curves : what is drawn to the target between the points.
     free : (n,) bool, the control vertices that may move.
     steps : most steps that are kept.
