@@ -17,9 +17,10 @@ from subdfit.target.bvh import TriangleTree
 from subdfit.target.features import automatic_creases, mesh_edges
 from subdfit.target.segmentation_clusters import cluster, grow
 from subdfit.target.segmentation_facets import Facets, Flags, Labels
-from subdfit.target.segmentation_merging import Adjacency, absorb, merge_regions, renumbered
+from subdfit.target.segmentation_merging import Adjacency, absorb, merge_regions
 from subdfit.target.segmentation_rectification import border_costs, rectify
 from subdfit.target.segmentation_slivers import without_needles
+from subdfit.target.segmentation_tips import parted_at_necks
 from subdfit.target.target import Target
 
 Floats = NDArray[np.float64]
@@ -27,7 +28,8 @@ Floats = NDArray[np.float64]
 _SPACING = 1.5
 _ROUNDS = 2
 _THIN, _NOTHING = 0.5, 0.05
-"""Widths, in radii, below which a region is a remnant beside a smooth border, and beside a sharp one."""
+"""Widths, in radii, below which a region is a remnant beside a smooth border, and beside a sharp one. So is one smaller
+than a ball, and open on most sides: its curvature was never seen by itself."""
 _SHORTEST = 4.0
 """Length, in radii, of the shortest sharp edges that count where they part no regions."""
 
@@ -118,8 +120,11 @@ def segment_facets(facets: Facets, settings: SegmentationSettings) -> Labels:
         labels = rectify(facets, labels, curvatures, costs)
         labels = facets.connected(~facets.sharp & ~facets.borders(labels))
         labels = merge_regions(facets, labels, curvatures, Adjacency.turn_of_means, settings.step_turn)
-    labels = absorb(facets, labels, curvatures, _THIN * facets.radius, _NOTHING * facets.radius)
-    return renumbered(labels)
+    ball = np.pi * facets.radius**2
+    labels = absorb(facets, labels, Adjacency.thickness, _THIN * facets.radius)
+    labels = absorb(facets, labels, Adjacency.area_if_open, ball)
+    labels = parted_at_necks(facets, labels, ball)
+    return absorb(facets, labels, Adjacency.thickness, _NOTHING * facets.radius, over_sharp=True)
 
 
 def _facets(points: Floats, triangles: NDArray[np.int32], creases: NDArray[np.int64], radius: float | None) -> Facets:
@@ -154,7 +159,7 @@ def _on_target(target: Target, facets: Facets, changed: Flags, labels: Labels, f
     nearest = TriangleTree(target.points, facets.triangles).closest(own.centres[changed])
     carried[changed] = labels[nearest.triangle]
     parts = own.connected(~own.borders(carried))
-    carried = absorb(own, parts, np.zeros((len(parts), 2)), 0.0, _NOTHING * facets.radius)
+    carried = absorb(own, parts, Adjacency.thickness, _NOTHING * facets.radius, over_sharp=True)
     # A side of a needle that was flipped away lies along what it hid.
     along = ~np.isin(ours, theirs) & np.isin(edges.vertices, features).all(axis=1)
     return Regions(carried, edges.vertices[own.sharp | (along & own.borders(carried))])

@@ -61,6 +61,11 @@ class Adjacency:
         """Width of the strip that has the region's area and perimeter."""
         return float(2 * self.area[region] / max(self.perimeter[region], 1e-300))
 
+    def area_if_open(self, region: int) -> float:
+        """Area of a region that meets others along most of its rim; infinite where sharp edges part it from them."""
+        shared = sum(border.length for border in self.borders[region].values())
+        return float(self.area[region]) if 2 * shared > self.perimeter[region] else np.inf
+
     def turn_of_means(self, a: int, b: int) -> float:
         """Degrees by which the mean curvatures of two regions let the thinner one turn away from the other."""
         means = [self.bend[region] / self.area[region] for region in (a, b)]
@@ -92,6 +97,7 @@ class Adjacency:
 
 
 Difference = Callable[[Adjacency, int, int], float]
+Size = Callable[[Adjacency, int], float]
 
 
 def merge_regions(facets: Facets, labels: Labels, curvatures: Floats, difference: Difference, least: float) -> Labels:
@@ -119,30 +125,29 @@ def merge_regions(facets: Facets, labels: Labels, curvatures: Floats, difference
     return renumbered(graph.owner[labels])
 
 
-def absorb(facets: Facets, labels: Labels, curvatures: Floats, thin: float, nothing: float) -> Labels:
-    """Merge remnants into the neighbour with which they share most, the thinnest first.
+def absorb(facets: Facets, labels: Labels, size: Size, least: float, *, over_sharp: bool = False) -> Labels:
+    """Merge remnants into the neighbour with which they share most, the smallest first.
 
     Parameters
     ----------
-    facets, labels, curvatures : as in `Adjacency`.
-    thin : regions narrower than this are merged over borders that are not sharp.
-    nothing : and those narrower than this over any border.
+    facets, labels, over_sharp : as in `Adjacency`.
+    size : `Adjacency.thickness` or `Adjacency.area_if_open`.
+    least : the size below which a region is a remnant.
     """
-    for width, over_sharp in ((thin, False), (nothing, True)):
-        graph = Adjacency(facets, renumbered(labels), curvatures, over_sharp)
-        queue = [(graph.thickness(region), region) for region in range(len(graph.area))]
-        heapq.heapify(queue)
-        while queue:
-            thickness, region = heapq.heappop(queue)
-            if thickness >= width:
-                break
-            if graph.owner[region] != region or thickness != graph.thickness(region) or not graph.borders[region]:
-                continue
-            into = max(graph.borders[region], key=lambda b: (graph.borders[region][b].length, -b))
-            graph.merge(into, region)
-            heapq.heappush(queue, (graph.thickness(into), into))
-        labels = renumbered(graph.owner[renumbered(labels)])
-    return labels
+    labels = renumbered(labels)
+    graph = Adjacency(facets, labels, np.zeros((len(labels), 2)), over_sharp)
+    queue = [(size(graph, region), region) for region in range(len(graph.area))]
+    heapq.heapify(queue)
+    while queue:
+        known, region = heapq.heappop(queue)
+        if known >= least:
+            break
+        if graph.owner[region] != region or known != size(graph, region) or not graph.borders[region]:
+            continue
+        into = max(graph.borders[region], key=lambda b: (graph.borders[region][b].length, -b))
+        graph.merge(into, region)
+        heapq.heappush(queue, (size(graph, into), into))
+    return renumbered(graph.owner[labels])
 
 
 def renumbered(labels: Labels) -> Labels:

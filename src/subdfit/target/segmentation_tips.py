@@ -11,6 +11,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from subdfit.target.features import Edges
 from subdfit.target.network import Cuts, network_arcs
+from subdfit.target.segmentation_facets import Facets
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -20,6 +21,33 @@ _BEND = 5.0
 """Degrees across an edge that make a path along it half as long."""
 _BACK = 3
 """Edges from which the direction of a chain's end is taken."""
+_NECK = 0.4
+"""Share of the seam between a piece and the rest of its region that may be open where creases part the two."""
+
+
+def parted_at_necks(facets: Facets, labels: Indices, least: float) -> Indices:
+    """Regions (m,) of which creases within cut off all but a neck become two.
+
+    Parameters
+    ----------
+    facets : the mesh.
+    labels : (m,) int64, regions.
+    least : area of a piece that may become a region.
+    """
+    borders = facets.borders(labels)
+    cuts = facets.sharp | borders
+    led = continued(facets.points, facets.edges, cuts | (facets.edges.valence == 1))
+    pieces = facets.connected(~cuts & ~led)
+    seam, neck = (_lengths(facets, pieces, flags & facets.borders(pieces)) for flags in (~borders, led))
+    whole = (neck <= _NECK * seam) & (np.bincount(pieces, facets.areas) >= least)
+    kept = led & whole[pieces[facets.edges.faces]].all(axis=1)
+    return facets.connected(~cuts & ~kept)
+
+
+def _lengths(facets: Facets, pieces: Indices, flags: Flags) -> Floats:
+    """Length of the flagged edges between pieces at each piece."""
+    sides = pieces[facets.edges.faces[flags]]
+    return np.asarray(np.bincount(sides.ravel(), np.repeat(facets.lengths[flags], 2), int(pieces.max()) + 1))
 
 
 def continued(points: Floats, edges: Edges, cuts: Flags) -> Flags:
