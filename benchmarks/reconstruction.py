@@ -10,7 +10,8 @@ import subdfit
 from benchmarks.common import MODELS, percent, table
 from subdfit.api.workers import workers
 from subdfit.initial.delaunay import small_facets, spacing
-from subdfit.initial.reconstruct import GAP, distinct, reconstruct
+from subdfit.initial.distinct import distinct
+from subdfit.initial.reconstruct import GAP, reconstruct
 from subdfit.initial.simplify import simplify
 from subdfit.mesh.data import MeshData
 from subdfit.mesh.topology import Topology

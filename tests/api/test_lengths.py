@@ -2,7 +2,7 @@
 
 import pytest
 
-from subdfit.api.lengths import Length, parse_bytes, parse_length, show_bytes
+from subdfit.api.lengths import Length, parse_bytes, parse_length, share_of, show_bytes
 from subdfit.errors import InputError
 
 
@@ -25,6 +25,18 @@ def test_a_length_is_a_share_of_the_diagonal():
     assert Length(0.5, False).share(10) == 0.05
     assert Length(0.5, True).share(10) == 0.5
     assert parse_length(None, "max_error") is None
+
+
+def test_a_length_in_another_unit_is_doubted(caplog):
+    assert share_of(Length(0.5, True), "max_error", 10) == 0.5
+    assert share_of(Length(0.5, False), "max_error", 10) == 0.05
+    assert share_of(None, "max_error", 10) is None
+    assert not caplog.messages
+    for value in (5.0, 1e-6):
+        share_of(Length(value, False), "max_error", 10)
+    assert [text.startswith("max_error") and "in the data's unit?" in text for text in caplog.messages] == [True, True]
+    with pytest.raises(InputError, match="rms_error 10 is 100 % of the diagonal"):
+        share_of(Length(10.0, False), "rms_error", 10)
 
 
 @pytest.mark.parametrize("given", ["", "%", "5%%", "0", "-1", 0.0, "nan", "inf", "1mm", True])

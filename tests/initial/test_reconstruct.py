@@ -123,6 +123,14 @@ def test_repeated_points_count_once():
     assert triangles_of(found) == triangles_of(reconstruct(points))
 
 
+def test_points_that_single_precision_cannot_tell_apart_count_once():
+    """The same scan in both precisions; a stray point far off makes the cloud no larger."""
+    points = np.concatenate([clouds.sphere(400), [[1e5, 0.0, 0.0]]])
+    found = reconstruct(np.concatenate([points, np.float32(points)]))
+    assert found.repeated == 401
+    assert shape_of(len(found.points), found.triangles) == SPHERE
+
+
 def test_outliers_are_left_out_and_named():
     rng = np.random.default_rng(3)
     away = 3 * rng.standard_normal((30, 3))
@@ -146,6 +154,7 @@ def test_given_normals_decide_which_side_is_outside(name, side):
     points, _ = CLOUDS[name]
     normals = side * (points if name == "sphere" else np.tile([0.0, 0.0, 1.0], (len(points), 1)))
     normals[::3] = 0.0
+    normals[1::7] = np.nan
     found = reconstruct(points, normals)
     a, b, c = (found.points[found.triangles[:, k]] for k in range(3))
     direction = a if name == "sphere" else np.tile([0.0, 0.0, 1.0], (len(a), 1))
@@ -156,9 +165,12 @@ def test_given_normals_decide_which_side_is_outside(name, side):
 @pytest.mark.parametrize(
     ("points", "message"),
     [
-        (np.eye(3), "3 distinct points"),
-        (np.tile(np.eye(3), (50, 1)), "3 distinct points"),
-        (np.linspace(0, 1, 50)[:, None] * [1.0, 2.0, 3.0], "only 0 of 50 points lie on a surface"),
+        (np.eye(3), "3 distinct points; a surface needs"),
+        (np.tile(np.eye(3), (50, 1)), "3 distinct points among 150 .were digits lost"),
+        (1e17 + clouds.sphere(100), "1 distinct points among 100 .were digits lost"),
+        (1e-200 * clouds.sphere(100), "too near one another"),
+        (np.linspace(0, 1, 50)[:, None] * [1.0, 2.0, 3.0], "all points lie on a line"),
+        (np.cos(np.linspace(0, 6, 300)[:, None] + [0, 1, 2]), "only 0 of 300 .* they lie along curves"),
         (np.random.default_rng(0).random((3000, 3)), "handles and holes"),
     ],
 )
@@ -166,6 +178,25 @@ def test_what_is_no_surface_is_refused_in_one_line(points, message):
     with pytest.raises(InputError, match=message) as refused:
         reconstruct(points)
     assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("points", "message"),
+    [
+        (np.random.default_rng(0).random((60, 3)), "too sparse for the shape"),
+        (clouds.grid(*3 * [np.arange(8.0)]), "fill space"),
+        (1e15 + clouds.sphere(1000), "were digits lost"),
+    ],
+)
+def test_what_is_hardly_a_surface_is_told(points, message, caplog):
+    reconstruct(points)
+    assert any(message in text for text in caplog.messages)
+
+
+def test_clear_surfaces_are_not_doubted(caplog):
+    for points, _ in CLOUDS.values():
+        reconstruct(points)
+    assert not caplog.messages
 
 
 def test_an_axis_in_another_unit_is_told(caplog):

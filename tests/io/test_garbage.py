@@ -56,3 +56,26 @@ def test_noise(tmp_path):
             path.write_bytes(start + rng.bytes(300))
             with pytest.raises(InputError):
                 read(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("x y z\n0 0 0\n", "line 1, 'x y z', is not all numbers"),
+        ("# made by hand\n\n0 0 0\n0 0 1\nup and away\n", "line 5, 'up and away', is not all numbers"),
+        ("0 0 0\n1 0 0 0 0 1\n", "line 2, .* has not 3 numbers"),
+        ("0,0,0\n", "line 1, '0,0,0', has 1 words"),
+    ],
+)
+def test_lines_of_points_are_named(text, message, tmp_path):
+    path = tmp_path / "a.xyz"
+    path.write_text(text)
+    with pytest.raises(InputError, match=message):
+        read(path)
+
+
+def test_colours_are_no_normals(tmp_path, caplog):
+    path = tmp_path / "a.xyz"
+    path.write_text("0 0 0 255 128 0\n0 0 1 9 0 77\n")
+    assert read(path).normals is None
+    assert "taken as colours" in caplog.text

@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable
 from typing import Any, Literal
 
-from subdfit.api.lengths import Length, parse_bytes, parse_length, parse_share
+from subdfit.api.lengths import Length, parse_bytes, parse_length, parse_share, share_of
 from subdfit.api.result import FitResult
 from subdfit.api.sources import MeshSource
 from subdfit.api.targets import Preparation, check_count, joined, prepare, stages
@@ -168,8 +168,8 @@ def tolerances(
 
 
 def shares(lengths: dict[str, Length | None], diagonal: float) -> Tolerance:
-    """Tolerances as shares of a diagonal."""
-    return Tolerance(**{key: length and length.share(diagonal) for key, length in lengths.items()})
+    """Tolerances as shares of a diagonal; raises InputError."""
+    return Tolerance(**{key: share_of(length, f"{key}_error", diagonal) for key, length in lengths.items()})
 
 
 def elapsed(begun: float, compiled: float) -> dict[str, float]:

@@ -1,10 +1,17 @@
 """Tolerances and amounts of memory as users write them."""
 
+import logging
 import math
 import re
 from typing import NamedTuple
 
 from subdfit.errors import InputError
+
+logger = logging.getLogger(__name__)
+
+LARGE, SMALL = 0.1, 1e-6
+"""Shares of the diagonal beyond which a length is doubted: a sphere of ten control vertices lies within the first, and
+the second is near the last digit of coordinates in single precision."""
 
 
 class Length(NamedTuple):
@@ -39,6 +46,25 @@ def parse_length(given: float | str | None, name: str) -> Length | None:
             f"{name} is '{given}'; give a positive length such as 0.2, or a share of the diagonal such as 0.05%"
         )
     return Length(value / 100 if relative else value, relative)
+
+
+def share_of(length: Length | None, name: str, diagonal: float) -> float | None:
+    """As a share of the diagonal; a length that seems to be in another unit than the data is doubted.
+
+    Raises
+    ------
+    InputError
+        It is no less than the diagonal, so that anything would do.
+    """
+    if length is None or length.relative:
+        return length and length.value
+    share = length.share(diagonal)
+    text = f"{name} {length.value:g} is {100 * share:.3g} % of the diagonal, {diagonal:.4g}; is it in the data's unit?"
+    if share >= 1:
+        raise InputError(f"{text} Give a smaller length, or a share of the diagonal such as 0.05%")
+    if not SMALL <= share <= LARGE:
+        logger.warning("%s", text)
+    return share
 
 
 def parse_share(given: float | str | None, name: str) -> float | None:

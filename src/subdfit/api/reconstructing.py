@@ -1,7 +1,7 @@
 """`subdfit.reconstruct`: from unorganised points to a triangle mesh."""
 
 import time
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -9,18 +9,19 @@ from numpy.typing import NDArray
 
 from subdfit.api.components import largest_of_cloud
 from subdfit.api.fitting import elapsed
-from subdfit.api.lengths import Length, parse_bytes, parse_length
+from subdfit.api.lengths import Length, parse_bytes, parse_length, share_of
 from subdfit.api.memory import check_job
 from subdfit.api.sources import MeshSource, source_of
 from subdfit.api.targets import check_count, stages
 from subdfit.api.workers import workers
 from subdfit.compiled import compile_clock
 from subdfit.errors import InputError
+from subdfit.initial.distinct import distinct
 from subdfit.initial.holes import fill_holes
 from subdfit.initial.poisson import poisson_mesh
-from subdfit.initial.reconstruct import ENGINES, GAP, SMALL_HOLE, Reconstructed, distinct
+from subdfit.initial.reconstruct import ENGINES, GAP, SMALL_HOLE, Reconstructed
 from subdfit.initial.reconstruct import reconstruct as join_points
-from subdfit.initial.simplify import Simplified, simplify
+from subdfit.initial.simplify import LEAST_VERTICES, Simplified, simplify
 from subdfit.mesh.data import MeshData
 from subdfit.mesh.repair import check
 from subdfit.target.frame import Frame
@@ -125,8 +126,7 @@ def reconstruct(
     >>> found = subdfit.reconstruct("scan.xyz", max_error="0.01%")  # doctest: +SKIP
     >>> subdfit.write("scan.ply", found.mesh)  # doctest: +SKIP
     """
-    _check(method, gap, small_hole, vertices, keep_data_points)
-    check_count(keep_components, "keep_components", 1)
+    asked = _Asked(method, gap, small_hole, keep_components, vertices, max_error, keep_data_points)
     length, limit = parse_length(max_error, "max_error"), parse_bytes(memory)
     begun, compiled = time.perf_counter(), compile_clock.seconds
     with workers(threads):
@@ -135,8 +135,8 @@ def reconstruct(
         check(data, name)
         check_job(len(data.points), 0, limit, name)
         stages.info("joining points")
-        found = largest_of_cloud(_joined(data, method, gap, small_hole, name), keep_components, name)
-        simple, rows = _simplified(found, vertices, length, keep_data_points)
+        found = largest_of_cloud(_joined(data, asked, name), keep_components, name)
+        simple, rows = _simplified(found, asked, length)
     return Reconstruction(
         mesh=MeshData(simple.points, 3 * np.arange(len(simple.triangles) + 1), simple.triangles.ravel()),
         cloud=data.points,
@@ -144,51 +144,59 @@ def reconstruct(
         left_out=found.left_out,
         repeated=found.repeated,
         error=simple.error,
-        settings={
-            "method": method,
-            "gap": gap,
-            "small_hole": small_hole,
-            "keep_components": keep_components,
-            "vertices": vertices,
-            "max_error": max_error,
-            "keep_data_points": keep_data_points,
-            "threads": threads,
-            "memory": limit,
-        },
+        settings=asdict(asked) | {"threads": threads, "memory": limit},
         seconds=elapsed(begun, compiled),
     )
 
 
-def _check(method: str, gap: float, small_hole: int, vertices: int | None, keep_data_points: bool) -> None:
-    """Raise InputError for options that cannot be, before any work is done."""
-    if method not in METHODS:
-        raise InputError(f"unknown method '{method}'; choose one of {', '.join(METHODS)}")
-    if not gap > 0:
-        raise InputError(f"gap is {gap}; give a number above 0")
-    if method == "poisson" and keep_data_points:
-        raise InputError("the Poisson surface passes near the points, not through them; leave keep_data_points out")
-    check_count(small_hole, "small_hole", 0)
-    check_count(vertices, "vertices", 4)
+@dataclass(frozen=True)
+class _Asked:
+    """What decides the mesh; the fields are arguments of `reconstruct`."""
+
+    method: str
+    gap: float
+    small_hole: int
+    keep_components: int | None
+    vertices: int | None
+    max_error: float | str | None
+    keep_data_points: bool
+
+    def __post_init__(self) -> None:
+        """Raise InputError for options that cannot be, before any work is done."""
+        if self.method not in METHODS:
+            raise InputError(f"unknown method '{self.method}'; choose one of {', '.join(METHODS)}")
+        if not self.gap > 0:
+            raise InputError(f"gap is {self.gap}; give a number above 0")
+        if self.method == "poisson" and self.keep_data_points:
+            raise InputError("the Poisson surface passes near the points, not through them; leave keep_data_points out")
+        for name, least in (("small_hole", 0), ("keep_components", 1), ("vertices", LEAST_VERTICES)):
+            check_count(getattr(self, name), name, least)
 
 
-def _joined(data: MeshData, method: str, gap: float, small_hole: int, name: str) -> Reconstructed:
-    if method != "poisson":
-        return join_points(data.points, data.normals, gap=gap, small_hole=small_hole, engine=method, name=name)
-    smooth = poisson_mesh(data.points, data.normals, gap=gap, name=name)
-    closed = fill_holes(smooth.points, smooth.triangles, small_hole)
+def _joined(data: MeshData, asked: _Asked, name: str) -> Reconstructed:
+    if asked.method != "poisson":
+        return join_points(
+            data.points, data.normals, gap=asked.gap, small_hole=asked.small_hole, engine=asked.method, name=name
+        )
+    smooth = poisson_mesh(data.points, data.normals, gap=asked.gap, name=name)
+    closed = fill_holes(smooth.points, smooth.triangles, asked.small_hole)
     none = np.empty(0, np.int64)
     return Reconstructed(closed.points, closed.triangles, none, none, len(data.points) - len(distinct(data.points)))
 
 
-def _simplified(
-    found: Reconstructed, vertices: int | None, length: Length | None, keep: bool
-) -> tuple[Simplified, Rows | None]:
+def _simplified(found: Reconstructed, asked: _Asked, length: Length | None) -> tuple[Simplified, Rows | None]:
     """The mesh with fewer vertices, if that was asked for, and the cloud's rows of its vertices."""
     known = found.point_rows if len(found.point_rows) else None
-    if vertices is None and length is None:
+    if asked.vertices is None and length is None:
         return Simplified(found.points, found.triangles, known, 0.0), known
     stages.info("simplifying")
     diagonal = Frame.of(found.points).diagonal
-    bound = None if length is None else length.share(diagonal) * diagonal
-    simple = simplify(found.points, found.triangles, vertices=vertices, max_error=bound, keep_points=keep)
+    share = share_of(length, "max_error", diagonal)
+    simple = simplify(
+        found.points,
+        found.triangles,
+        vertices=asked.vertices,
+        max_error=share and share * diagonal,
+        keep_points=asked.keep_data_points,
+    )
     return simple, None if known is None or simple.point_rows is None else known[simple.point_rows]

@@ -1,16 +1,30 @@
 """Normals of unorganised points: planes through neighbours, their sides handed on from point to point."""
 
+import logging
+
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
 from scipy.spatial import cKDTree
+
+logger = logging.getLogger(__name__)
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
 NEIGHBOURS, HEIRS = 16, 12
 """Points that a normal is estimated from, and that its side is handed on to."""
+
+
+def known_normals(normals: ArrayLike, name: str) -> Floats:
+    """Given normals, (n, 3), those that are not finite counted in a warning and 0, as where none is known."""
+    known = np.array(normals, np.float64).reshape(-1, 3)
+    unknown = ~np.isfinite(known).all(axis=1)
+    if unknown.any():
+        logger.warning("%s: %d normals are not finite and are not used", name, np.count_nonzero(unknown))
+        known[unknown] = 0.0
+    return known
 
 
 def estimated_normals(points: Floats) -> Floats:

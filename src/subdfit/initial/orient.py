@@ -38,7 +38,7 @@ def oriented_outward(points: Floats, triangles: Rows, normals: Floats | None = N
     return np.where((vote < 0.0)[component][:, None], triangles[:, [0, 2, 1]], triangles)
 
 
-def components_of(triangles: Rows, count: int) -> tuple[Rows, int]:
+def components_of(triangles: NDArray[np.integer], count: int) -> tuple[Rows, int]:
     """Component of each triangle, and how many there are; all points are in triangles."""
     ends = np.concatenate([triangles[:, :2], triangles[:, 1:]])
     links = coo_array((np.ones(len(ends), np.int8), (ends[:, 0], ends[:, 1])), shape=(count, count))

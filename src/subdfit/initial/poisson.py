@@ -8,8 +8,10 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
 from subdfit.errors import InputError
+from subdfit.initial.cloud_checks import check_extent
 from subdfit.initial.delaunay import spacing
-from subdfit.initial.normals import estimated_normals
+from subdfit.initial.distinct import distinct, normalised
+from subdfit.initial.normals import estimated_normals, known_normals
 from subdfit.initial.orient import components_of, oriented_outward
 from subdfit.mesh.data import MeshData
 from subdfit.mesh.repair import mend
@@ -63,9 +65,12 @@ def poisson_mesh(
     """
     positions = np.asarray(points, np.float64).reshape(-1, 3)
     frame = Frame.of(positions)
-    inside = frame.inside(positions)
-    distance = float(np.median(spacing(np.unique(inside, axis=0))))
-    vertices, triangles = _zero_surface(inside, normals, _depth(inside, distance), name)
+    inside = normalised(positions, name)
+    own = inside[distinct(inside)]
+    check_extent(own, len(positions), name)
+    distance = float(np.median(spacing(own)))
+    known = estimated_normals(inside) if normals is None else known_normals(normals, name)
+    vertices, triangles = _zero_surface(inside, known, _depth(inside, distance), name)
     near = np.asarray(cKDTree(inside).query(vertices)[0]) <= gap * distance
     triangles = triangles[near[triangles].all(axis=1)]
     if not len(triangles):
@@ -77,11 +82,10 @@ def poisson_mesh(
     return PoissonMesh(frame.outside(kept), triangles)
 
 
-def _zero_surface(points: Floats, normals: ArrayLike | None, depth: int, name: str) -> tuple[Floats, Rows]:
+def _zero_surface(points: Floats, normals: Floats, depth: int, name: str) -> tuple[Floats, Rows]:
     library = _open3d()
     cloud = library.geometry.PointCloud(library.utility.Vector3dVector(points))
-    known = estimated_normals(points) if normals is None else np.asarray(normals, np.float64)
-    cloud.normals = library.utility.Vector3dVector(known)
+    cloud.normals = library.utility.Vector3dVector(normals)
     mesh, _ = library.geometry.TriangleMesh.create_from_point_cloud_poisson(cloud, depth=depth, n_threads=1)
     vertices, triangles = np.asarray(mesh.vertices), np.asarray(mesh.triangles, np.int64)
     if not len(triangles):

@@ -1,22 +1,19 @@
 """A triangle mesh through unorganised points: greedy reconstruction from Delaunay facets."""
 
-import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from subdfit.errors import InputError
 from subdfit.initial._reconstruct_kernels import grow
+from subdfit.initial.cloud_checks import check_extent, check_joined, check_surface, tell
 from subdfit.initial.delaunay import small_facets, spacing
+from subdfit.initial.distinct import distinct, normalised
 from subdfit.initial.holes import fill_holes
-from subdfit.initial.orient import components_of, oriented_outward
+from subdfit.initial.normals import known_normals
+from subdfit.initial.orient import oriented_outward
 from subdfit.initial.reconstruct_cgal import cgal_triangles
-from subdfit.mesh.topology import Topology
-from subdfit.target.frame import Frame
-
-logger = logging.getLogger(__name__)
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -30,15 +27,6 @@ SPARSEST = 5.0
 
 SMALL_HOLE = 8
 """Edges of the longest hole that is closed afterwards: far below what `GAP` would leave open."""
-
-LEAST_SHARE = 0.5
-"""Share of the points that must be on the surface."""
-
-WARN_SHARE, MOST_SHARE = 0.005, 0.02
-"""Handles and holes for each point above which the surface is doubted, and refused: noise makes both by the hundred."""
-
-SOME = 10
-"""Handles and holes that a shape of few points may have."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,45 +108,24 @@ def reconstruct(
     Cohen-Steiner and Da, A greedy Delaunay-based surface reconstruction algorithm, The Visual Computer 20, 2004.
     """
     positions = np.array(points, np.float64, order="C").reshape(-1, 3)
-    first = distinct(positions)
-    if len(first) < 4:
-        raise InputError(f"{name}: has {len(first)} distinct points; a surface needs at least 4")
-    inside = Frame.of(positions[first]).inside(positions[first])
-    triangles = ENGINES[engine](inside, gap)
-    _check(triangles, len(first), name)
+    inside = normalised(positions, name)
+    first = distinct(inside)
+    check_extent(inside[first], len(positions), name)
+    triangles = ENGINES[engine](inside[first], gap)
+    check_joined(inside[first], triangles, name)
     used, triangles = _compact(first[triangles], len(positions))
-    triangles = _closed(positions[used], triangles, small_hole)
-    _doubt(triangles, len(used), name)
-    known = None if normals is None else np.asarray(normals, np.float64).reshape(-1, 3)[used]
-    found = Reconstructed(
+    triangles = _closed(inside[used], triangles, small_hole)
+    check_surface(inside[used], triangles, name)
+    known = None if normals is None else known_normals(normals, name)[used]
+    left_out, repeated = np.setdiff1d(first, used), len(positions) - len(first)
+    tell(len(left_out), repeated, len(positions), name)
+    return Reconstructed(
         points=positions[used],
-        triangles=oriented_outward(positions[used], triangles, known),
+        triangles=oriented_outward(inside[used], triangles, known),
         point_rows=used,
-        left_out=np.setdiff1d(first, used),
-        repeated=len(positions) - len(first),
+        left_out=left_out,
+        repeated=repeated,
     )
-    _report(found, name)
-    return found
-
-
-def distinct(points: Floats) -> Rows:
-    """The first row of each position, sorted by coordinates: the same order however the cloud is."""
-    places = points + 0.0  # -0 and 0 are one place
-    order = np.lexsort(places.T[::-1])
-    ordered = places[order]
-    new = np.concatenate([[True], (ordered[1:] != ordered[:-1]).any(axis=1)])
-    first: Rows = order[new]
-    return first
-
-
-def _check(triangles: Rows, points: int, name: str) -> None:
-    """Refuse what is no surface of these points."""
-    used = np.count_nonzero(np.bincount(triangles.ravel(), minlength=points))
-    if used < LEAST_SHARE * points:
-        raise InputError(
-            f"{name}: only {used:,} of {points:,} points lie on a surface; the sampling is too sparse for the shape, "
-            "or an axis is in another unit: give denser points, or check the scale"
-        )
 
 
 def _compact(triangles: Rows, points: int) -> tuple[Rows, Rows]:
@@ -172,26 +139,3 @@ def _closed(points: Floats, triangles: Rows, small_hole: int) -> Rows:
     """Close small holes without new points."""
     filled = fill_holes(points, triangles, small_hole)
     return filled.triangles[(filled.triangles < len(points)).all(axis=1)]
-
-
-def _doubt(triangles: Rows, points: int, name: str) -> None:
-    """Warn of a surface with many handles and holes, and refuse one that consists of them."""
-    topology = Topology.from_triangles(triangles, points)
-    euler = points - topology.edge_count + topology.face_count
-    _, components = components_of(triangles, points)
-    tangles = 2 * components - euler
-    text = (
-        f"{name}: the surface through the points has {tangles:,} handles and holes; the sampling is noisy or too "
-        "sparse for the shape, or an axis is in another unit: give denser points, or check the scale"
-    )
-    if tangles > 2 * SOME + MOST_SHARE * points:
-        raise InputError(text)
-    if tangles > SOME + WARN_SHARE * points:
-        logger.warning("%s", text)
-
-
-def _report(found: Reconstructed, name: str) -> None:
-    if found.repeated:
-        logger.info("%s: %d points repeat another's position", name, found.repeated)
-    if len(found.left_out):
-        logger.warning("%s: %d points fit no surface and are left out", name, len(found.left_out))

@@ -15,7 +15,8 @@ def floats(words: Sequence[bytes], where: str) -> NDArray[np.float64]:
     try:
         return np.array(list(map(float, words)), np.float64)
     except ValueError:
-        raise InputError(f"{where}: {_first_bad(words, float)} is not a number; export the file again") from None
+        shown = quote(words[first_bad(words, float)])
+        raise InputError(f"{where}: '{shown}' is not a number; export the file again") from None
 
 
 def integers(words: Sequence[bytes], where: str) -> NDArray[np.int64]:
@@ -23,7 +24,8 @@ def integers(words: Sequence[bytes], where: str) -> NDArray[np.int64]:
     try:
         return np.array(list(map(int, words)), np.int64)
     except (ValueError, OverflowError):
-        raise InputError(f"{where}: {_first_bad(words, int)} is not an index; export the file again") from None
+        shown = quote(words[first_bad(words, int)])
+        raise InputError(f"{where}: '{shown}' is not an index; export the file again") from None
 
 
 class Rows(NamedTuple):
@@ -82,14 +84,13 @@ def quote(text: bytes) -> str:
     return shown if shown.isprintable() else repr(shown)[1:-1]
 
 
-def _first_bad(words: Sequence[bytes], kind: type[int] | type[float]) -> str:
-    for word in words:
+def first_bad(words: Sequence[bytes], kind: type[int] | type[float]) -> int:
+    """Place of the first word that is no number of a kind, of 64 bits; -1 where all are."""
+    for place, word in enumerate(words):
         try:
-            if kind is int and abs(int(word)) < 2**63:
-                continue
-            if kind is float and float(word) is not None:
-                continue
+            value = kind(word)
         except ValueError:
-            pass
-        return f"'{quote(word)}'"
-    return "a word"
+            return place
+        if kind is int and abs(value) >= 2**63:
+            return place
+    return -1

@@ -1,29 +1,50 @@
 """XYZ point clouds: a line a point, ``x y z`` or ``x y z nx ny nz``; ``#`` starts a comment."""
 
+import logging
 import re
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from subdfit.errors import InputError
-from subdfit.io.text import Rows, quote, table
+from subdfit.io.text import Rows, first_bad, floats, quote
 from subdfit.mesh.data import MeshData
+
+logger = logging.getLogger(__name__)
 
 _COMMENT = re.compile(rb"#[^\r\n]*")
 
 
 def parse(content: bytes, path: Path) -> MeshData:
-    """Read points, and normals where each line has six numbers; raises InputError."""
-    lines = [line for line in _COMMENT.sub(b"", content).splitlines() if line.strip()]
-    rows = Rows.of(lines)
-    columns = int(rows.sizes[0]) if lines else 3
-    if columns not in (3, 6):
-        raise InputError(f"{path.name}: '{quote(lines[0])}' has {columns} numbers; a point has 3, or 6 with its normal")
+    """Read points, and normals where each line has six numbers; raises InputError that names the line."""
+    plain = _COMMENT.sub(b"", content).splitlines()
+    number = [k for k, line in enumerate(plain, 1) if line.strip()]
+    rows = Rows.of([plain[k - 1] for k in number])
+    columns = int(rows.sizes[0]) if number else 3
     other = np.flatnonzero(rows.sizes != columns)
+    if columns not in (3, 6):
+        raise _refused(path, plain, number[0], f"has {columns} words, not 3 numbers between blanks, or 6 with a normal")
     if len(other):
-        shown = quote(lines[other[0]])
-        raise InputError(f"{path.name}: '{shown}' has not {columns} numbers as the first line; mend the line")
-    values = table(rows, columns, path.name)
-    points = np.ascontiguousarray(values[:, :3])
-    normals = np.ascontiguousarray(values[:, 3:]) if columns == 6 else None
-    return MeshData(points, np.zeros(1, np.int64), np.empty(0, np.int64), normals=normals)
+        raise _refused(path, plain, number[other[0]], f"has not {columns} numbers as the lines before")
+    try:
+        values = floats(rows.words, path.name).reshape(-1, columns)
+    except InputError:
+        line = number[first_bad(rows.words, float) // columns]
+        raise _refused(path, plain, line, "is not all numbers") from None
+    points, more = np.ascontiguousarray(values[:, :3]), np.ascontiguousarray(values[:, 3:])
+    return MeshData(points, np.zeros(1, np.int64), np.empty(0, np.int64), normals=_normals(more, path))
+
+
+def _refused(path: Path, lines: list[bytes], number: int, what: str) -> InputError:
+    return InputError(f"{path.name}: line {number}, '{quote(lines[number - 1].strip())}', {what}; mend or remove it")
+
+
+def _normals(given: NDArray[np.float64], path: Path) -> NDArray[np.float64] | None:
+    """The second three numbers of each line, unless they are colours: whole numbers from 0 to 255, some above 1."""
+    if not given.size:
+        return None
+    if given.min() >= 0 and 1 < given.max() <= 255 and np.array_equal(given, np.floor(given)):
+        logger.warning("%s: the last three numbers of each line are taken as colours, not as normals", path.name)
+        return None
+    return given
