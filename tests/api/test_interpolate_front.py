@@ -118,3 +118,15 @@ def test_bad_options():
 
 def test_it_shows_itself():
     assert "6 points, within tolerance" in repr(subdfit.interpolate(octahedron_data()))
+
+
+def test_what_cannot_be_met_is_told_and_fairness_meets_it(caplog):
+    corner = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
+    corner[0] -= 0.3
+    quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    plain, fair = (subdfit.interpolate((corner, quads), creases="none", fair=fair) for fair in (False, True))
+    assert (plain.status, fair.status) == ("best_effort", "within_tolerance")
+    assert plain.null_vectors == 1
+    told = [text for text in caplog.messages if "cannot move all vertices" in text]
+    assert ["the option fair meets every vertex" in text for text in told] == [True, False]
+    assert relative_errors(plain, corner).max() == pytest.approx(plain.distances.max())

@@ -43,9 +43,12 @@ def test_creases_of_the_file_are_kept(cage, tmp_path):
     assert (tmp_path / "s.glb").stat().st_size > 100
 
 
-def test_fair(cage, tmp_path):
+def test_fair(cage, tmp_path, capsys):
     out, document = tmp_path / "fair.obj", tmp_path / "f.json"
-    assert main(["interpolate", str(cage), "-o", str(out), "--fair", "--json", str(document), "--quiet"]) == 0
+    call = ["interpolate", str(cage), "-o", str(out), "--fair", "--json", str(document), "--quiet"]
+    assert main([*call, "--picture", str(tmp_path / "fair.png")]) == 0
+    assert (tmp_path / "fair.png").stat().st_size > 1000
+    assert "with 4 crease edges" in capsys.readouterr().out
     limits = subdfit.LimitSurface(out).vertex_limits()
     assert np.abs(limits[:6] - subdfit.read(cage).points).max() < 1e-12
     assert json.loads(document.read_text())["energy"]["fair"] >= 0

@@ -50,6 +50,16 @@ def test_reconstructions_and_fits_to_clouds_are_drawn(tmp_path):
     assert imread(tmp_path / "fit.png").shape[1] > imread(tmp_path / "mesh.png").shape[1]
 
 
+def test_interpolations_are_drawn_whole(tmp_path):
+    """The surface through a cube's corners bulges far beyond the cube."""
+    corner = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
+    quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    subdfit.picture(tmp_path / "a.png", subdfit.interpolate((corner, quads), creases="none"))
+    picture = imread(tmp_path / "a.png")[:, :, :3]
+    edge = np.concatenate([picture[0], picture[:, -1], picture[: int(0.9 * len(picture)), picture.shape[1] * 2 // 3]])
+    assert edge.min() > 0.9
+
+
 def test_a_picture_needs_triangles(tmp_path):
     with pytest.raises(InputError):
         cloud_picture(tmp_path / "a.png", points=POINTS, mesh=(POINTS, np.empty((0, 3), np.int64)))

@@ -80,6 +80,20 @@ def test_reachable_data_are_reached(method):
     assert found.status == "within_tolerance"
 
 
+@pytest.mark.parametrize(("n", "null"), [(3, 2), (4, 0), (6, 2)])
+def test_faces_back_to_back(n, null):
+    """Two n-gons with the same corners, beside a prism: Catmull-Clark's limits of two triangles are their centroid."""
+    pair = [[*range(n)], [*range(n)][::-1]]
+    topology = topology_of([*pair, *prism(5, n)])
+    B = LimitOperator.of(SCHEMES["catmull-clark"].limit_rows(topology))
+    data = np.random.default_rng(5).normal(size=(B.size, 3))
+    for method in ("cg", "progressive"):
+        found = interpolate_points(B, topology, data, method, 1e-12, 20_000)
+        assert found.null_vectors == null
+        assert (found.status == "within_tolerance") == (null == 0)
+        np.testing.assert_allclose(found.points, np.linalg.pinv(B.matrix.toarray(), rtol=1e-10) @ data, atol=1e-9)
+
+
 @pytest.mark.parametrize("case", SOME, ids=["-".join(case).replace(" ", "_") for case in SOME])
 def test_alternating_vectors_are_all_there_are(case):
     scheme, name = case

@@ -2,8 +2,8 @@
 
 import logging
 import time
-from dataclasses import replace
-from typing import Literal, NamedTuple
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -99,7 +99,7 @@ def interpolate(
     >>> result = subdfit.interpolate("bunny.ply")  # doctest: +SKIP
     >>> result.surface.vertex_limits()  # the bunny's vertices  # doctest: +SKIP
     """
-    _check(method, tolerance, most_iterations)
+    asked = _Asked(method, fair, tolerance, most_iterations)
     how = Preparation(creases, keep_components=keep_components)
     begun, compiled = time.perf_counter(), compile_clock.seconds
     watch = _Watch()
@@ -109,9 +109,9 @@ def interpolate(
         given = with_creases(cage, how.creases)
         frame = _frame(given.points)
         data = given.with_points(frame.inside(given.points))
-        found, smoothed = _solved(data, _Asked(method, fair, tolerance, most_iterations), watch)
+        found, smoothed = _solved(data, asked, watch)
     control = smoothed.control_mesh if smoothed else data.with_points(found.points)
-    asked = {"mask": mask, "fair": fair, "creases": how.creases, "keep_components": keep_components}
+    settings = {"mask": mask, "fair": fair, "creases": how.creases, "keep_components": keep_components}
     return InterpolationResult(
         control_mesh=control.with_points(frame.outside(control.points)),
         given=given,
@@ -122,19 +122,29 @@ def interpolate(
         null_vectors=found.null_vectors,
         energy=(smoothed.before, smoothed.after) if smoothed else None,
         diagonal=frame.diagonal,
-        settings=asked | {"tolerance": tolerance, "threads": threads},
+        settings=settings | {"tolerance": tolerance, "threads": threads},
         seconds=watch.seconds | elapsed(begun, compiled),
         unit=unit,
     )
 
 
-class _Asked(NamedTuple):
+@dataclass(frozen=True)
+class _Asked:
     """How to interpolate; the fields are arguments of `interpolate`."""
 
     method: str
     fair: bool
     tolerance: float
     most_iterations: int
+
+    def __post_init__(self) -> None:
+        """Raise InputError for options that cannot be, before any work is done."""
+        if self.method not in METHODS:
+            raise InputError(f"unknown method '{self.method}'; choose one of {', '.join(METHODS)}")
+        share = self.tolerance
+        if isinstance(share, bool) or not isinstance(share, int | float) or not 0 < share < 1:
+            raise InputError(f"tolerance is {share!r}; give a share of the diagonal between 0 and 1, such as 1e-10")
+        check_count(self.most_iterations, "most_iterations", 1)
 
 
 def _solved(data: ControlMesh, asked: _Asked, watch: "_Watch") -> tuple[Interpolation, Fair | None]:
@@ -147,13 +157,13 @@ def _solved(data: ControlMesh, asked: _Asked, watch: "_Watch") -> tuple[Interpol
     found = interpolate_points(
         operator, data.topology, data.points, asked.method, asked.tolerance, asked.most_iterations
     )
-    _warn(found)
     smoothed = None
     if asked.fair:
         watch.begin("fair", "making it fair")
         smoothed = fair_interpolation(rules, data, found.points)
         found = _of_fair(found, smoothed, asked.tolerance)
     watch.end()
+    _warn(found, asked.fair)
     return found, smoothed
 
 
@@ -162,6 +172,21 @@ def _of_fair(plain: Interpolation, fair: Fair, tolerance: float) -> Interpolatio
     largest = float(fair.distances.max())
     status: Status = "within_tolerance" if largest <= tolerance else plain.status
     return replace(plain, residuals=(*plain.residuals, largest), distances=fair.distances, status=status)
+
+
+def _warn(found: Interpolation, fair: bool) -> None:
+    """Say that the limit operator is singular, and what is given therefore."""
+    if found.null_vectors:
+        given = "the fair surface" if fair else "of the control meshes that come nearest the least"
+        more = "" if fair or found.status == "within_tolerance" else "; the option fair meets every vertex"
+        logger.warning(
+            "this scheme cannot move all vertices of this mesh apart (%d control meshes have the limit 0); "
+            "%s is given, its largest relative error is %.2g%s",
+            found.null_vectors,
+            given,
+            found.distances.max(),
+            more,
+        )
 
 
 class _Watch:
@@ -185,15 +210,6 @@ class _Watch:
         self._running = ""
 
 
-def _check(method: str, tolerance: float, most_iterations: int) -> None:
-    """Raise InputError for options that cannot be, before any work is done."""
-    if method not in METHODS:
-        raise InputError(f"unknown method '{method}'; choose one of {', '.join(METHODS)}")
-    if isinstance(tolerance, bool) or not isinstance(tolerance, int | float) or not 0 < tolerance < 1:
-        raise InputError(f"tolerance is {tolerance!r}; give a share of the diagonal between 0 and 1, such as 1e-10")
-    check_count(most_iterations, "most_iterations", 1)
-
-
 def _with_mask(mesh: ControlMesh, mask: str) -> ControlMesh:
     """The mesh, for the variant of its scheme that has another mask."""
     variant = f"{str(mesh.scheme).removesuffix(f'-{mask}')}-{mask}"
@@ -208,13 +224,3 @@ def _frame(points: NDArray[np.float64]) -> Frame:
     """The normalised frame; points that all coincide keep their unit."""
     frame = Frame.of(points)
     return frame if frame.diagonal > 0 else replace(frame, diagonal=1.0)
-
-
-def _warn(found: Interpolation) -> None:
-    if found.null_vectors:
-        logger.warning(
-            "the scheme cannot move every vertex by itself here (all valences 3, all faces even, in %d components): "
-            "the least control mesh is given, its largest relative error is %.2g",
-            found.null_vectors,
-            found.distances.max(),
-        )

@@ -6,24 +6,30 @@ from dataclasses import asdict
 import numpy as np
 from numpy.typing import NDArray
 
+from subdfit.api.interpolation_result import InterpolationResult
 from subdfit.api.reconstructing import Reconstruction
 from subdfit.api.result import FitResult
 from subdfit.api.surface import LimitSurface
+from subdfit.api.triangulate import triangles_of
 from subdfit.errors import InputError
 from subdfit.target.frame import Frame
 from subdfit.target.target import Target
 
 Floats = NDArray[np.float64]
+Triangles = NDArray[np.integer]
 
 _TRIANGLES = 200_000
 """About so many triangles are drawn: a panel has not many more pixels."""
 
 
-def picture(path: str | os.PathLike[str], result: FitResult | Reconstruction, title: str = "") -> None:
+Pictured = FitResult | InterpolationResult | Reconstruction
+
+
+def picture(path: str | os.PathLike[str], result: Pictured, title: str = "") -> None:
     """Write a PNG of the target, the control mesh on the limit surface, and the distance between the two.
 
-    Of a cloud it shows the points, the polyhedron through them and, where it was fitted, the surface with its control
-    mesh.
+    Of a cloud, and of a mesh that was interpolated, it shows the points, the polyhedron through them and, where there
+    is one, the surface; fitted, with its control mesh.
 
     Raises
     ------
@@ -34,10 +40,14 @@ def picture(path: str | os.PathLike[str], result: FitResult | Reconstruction, ti
     """
     if isinstance(result, Reconstruction):
         _polyhedron(path, result, title)
+    elif isinstance(result, InterpolationResult):
+        mesh = result.given
+        _stages(path, mesh.points, (mesh.points, triangles_of(mesh.to_data())), result.surface, title, edges=False)
     elif result.target is None or not result.target.is_mesh:
         raise InputError("a picture needs a target with faces; leave it out for points")
     elif result.target.cloud:
-        _cloud_fit(path, result, result.target, title)
+        target = result.target
+        _stages(path, target.points[target.used], (target.points, target.triangles), result.surface, title)
     else:
         _mesh_fit(path, result, result.target, title)
 
@@ -49,17 +59,25 @@ def _polyhedron(path: str | os.PathLike[str], result: Reconstruction, title: str
     cloud_picture(os.fspath(path), points=result.cloud, mesh=mesh, title=title)
 
 
-def _cloud_fit(path: str | os.PathLike[str], result: FitResult, target: Target, title: str) -> None:
+def _stages(
+    path: str | os.PathLike[str],
+    points: Floats,
+    mesh: tuple[Floats, Triangles],
+    surface: LimitSurface,
+    title: str,
+    edges: bool = True,
+) -> None:
+    """The points, the polyhedron through them, the surface, with the control mesh's edges where these are few."""
     from subdfit.draw.cloud_picture import cloud_picture
 
-    level = _level(result.surface.domain.face_count)
-    drawn = result.surface.tessellate(level)
-    edges = control_edges(result.surface, 2**level)
+    level = _level(surface.domain.face_count)
+    drawn = surface.tessellate(level)
+    lines = control_edges(surface, 2**level) if edges else None
     cloud_picture(
         os.fspath(path),
-        points=target.points[target.used],
-        mesh=(target.points, target.triangles),
-        surface=(drawn.points, drawn.triangles, edges, result.control_mesh.topology.vertex_count),
+        points=points,
+        mesh=mesh,
+        surface=(drawn.points, drawn.triangles, lines, surface.control_mesh.topology.vertex_count),
         title=title,
     )
 

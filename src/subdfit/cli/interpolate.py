@@ -3,11 +3,14 @@
 import argparse
 import time
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from subdfit.cli import options
 from subdfit.cli.console import Console, say
 from subdfit.cli.outputs import DRAWN, check_outputs, write_json, write_surface
+
+if TYPE_CHECKING:
+    from subdfit.api import InterpolationResult
 
 EXIT = {"within_tolerance": 0, "best_effort": 1, "interrupted": 130}
 
@@ -54,6 +57,7 @@ def add_parser(commands: Any) -> None:
     )
     parser.add_argument("--keep-components", metavar="N", type=int, help="interpolate the N largest components only")
     parser.add_argument("--json", metavar="FILE", help="errors, seconds, and the largest error at each iteration")
+    parser.add_argument("--picture", metavar="FILE.png", help="the points, the mesh, and the surface through them")
     parser.add_argument("--unit", metavar="NAME", help="name of the mesh's unit, for messages")
     parser.add_argument("--threads", metavar="N", type=int, help="threads to use (default: one a core)")
     options.add_quiet(parser)
@@ -64,7 +68,7 @@ def run(args: argparse.Namespace, console: Console) -> int:
     """Interpolate, write, and say how near the surface comes."""
     from subdfit import api
 
-    check_outputs(args.output, [args.mesh], documents=[args.json])
+    check_outputs(args.output, [args.mesh], documents=[args.json], pictures=[args.picture])
     names = ("scheme", "mask", "method", "fair", "creases", "keep_components", "tolerance", "unit", "threads")
     result = api.interpolate(args.mesh, **{name: getattr(args, name) for name in names})
     clock = time.perf_counter()
@@ -74,14 +78,25 @@ def run(args: argparse.Namespace, console: Console) -> int:
             write_surface(path, result.control_mesh, result.surface, None)
         else:
             api.write(path, result.control_mesh)
+    if args.picture:
+        api.picture(args.picture, result)
     result.seconds["write"] = time.perf_counter() - clock
     result.seconds["total"] += result.seconds["write"]
     if args.json:
         write_json(args.json, result.to_dict())
     console.rest()
-    reached = "" if result.status == "within_tolerance" else ", tolerance not reached"
-    say(
-        f"{result.control_mesh.topology.vertex_count:,} control vertices, largest relative error "
-        f"{result.distances.max():.2g}{reached}, {result.iterations} iterations, {result.seconds['total']:.1f} s"
-    )
+    say(_line(result))
     return EXIT[result.status]
+
+
+def _line(result: "InterpolationResult") -> str:
+    """One line on an interpolation."""
+    sharp = result.to_dict()["crease_edges"]
+    creases = f" with {sharp:,} crease edges" if sharp else ""
+    reached = "" if result.status == "within_tolerance" else ", tolerance not reached"
+    energy = "thin-plate energy {:.4g} instead of {:.4g}, ".format(*result.energy[::-1]) if result.energy else ""
+    return (
+        f"{result.control_mesh.topology.vertex_count:,} control vertices{creases}, largest relative error "
+        f"{result.distances.max():.2g}{reached}, {energy}{result.iterations} iterations, "
+        f"{result.seconds['total']:.1f} s"
+    )

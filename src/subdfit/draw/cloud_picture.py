@@ -1,10 +1,12 @@
 """The picture of a cloud on its way to a surface: the points, the polyhedron through them, the fitted surface."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from subdfit.draw.camera import camera_for
 from subdfit.draw.fit_picture import SURFACE
 from subdfit.draw.gallery import Panel, gallery
 from subdfit.target.features import mesh_edges
@@ -21,7 +23,7 @@ def cloud_picture(
     *,
     points: ArrayLike,
     mesh: tuple[ArrayLike, ArrayLike],
-    surface: tuple[ArrayLike, ArrayLike, ArrayLike, int] | None = None,
+    surface: tuple[ArrayLike, ArrayLike, ArrayLike | None, int] | None = None,
     title: str = "",
 ) -> None:
     """Write a PNG of two or three views side by side, after Figure 2 of Cheng et al.
@@ -33,7 +35,7 @@ def cloud_picture(
     points : (n, 3) the cloud.
     mesh : points and (m, 3) triangles of the polyhedron.
     surface : points and triangles of the tessellated limit surface, the (k, 2, 3) segments on it that draw the control
-        mesh's edges, and the number of control vertices; None where there is none.
+        mesh's edges or None, and the number of control vertices; None where there is none.
     title : one line over the picture.
 
     Raises
@@ -49,7 +51,15 @@ def cloud_picture(
     if surface is not None:
         caption = f"surface: {surface[3]:,} control vertices"
         panels.append(Panel(surface[0], surface[1], caption, colors=SURFACE, lines=surface[2], line_width=0.5))
+    panels[0] = replace(panels[0], camera=camera_for(*_together(panels)))
     gallery(path, panels, title=title, panel_width=4.3)
+
+
+def _together(panels: list[Panel]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Vertices and triangles of all panels, which the camera frames: the surface may bulge beyond the polyhedron."""
+    offsets = np.cumsum([0, *(len(np.asarray(panel.vertices)) for panel in panels[:-1])])
+    triangles = [np.asarray(panel.triangles) + start for panel, start in zip(panels, offsets, strict=True)]
+    return np.concatenate([np.asarray(panel.vertices, np.float64) for panel in panels]), np.concatenate(triangles)
 
 
 def _points_panel(cloud: NDArray[np.float64], vertices: NDArray[np.float64], triangles: NDArray[np.int64]) -> Panel:

@@ -12,6 +12,7 @@ from subdfit.interpolate.krylov import krylov
 from subdfit.interpolate.null_space import NullSpace
 from subdfit.interpolate.operator import LimitOperator
 from subdfit.interpolate.progressive import Step, chebyshev, over_relaxed, progressive
+from subdfit.interpolate.specks import Specks
 from subdfit.mesh.topology import Topology
 
 logger = logging.getLogger(__name__)
@@ -70,9 +71,12 @@ def interpolate_points(
     method
         One of `METHODS`.
     """
-    null_space = NullSpace.of(B, topology)
-    compact, order = B.breadth_first()
-    solved = _solve(compact, null_space.reachable(data)[order], method, tolerance, most_iterations)
+    specks = Specks.of(B, topology)
+    regular = specks.settled(B)
+    null_space = NullSpace.of(regular, topology)
+    compact, order = regular.breadth_first()
+    reachable = null_space.reachable(specks.solved(data))
+    solved = _solve(compact, reachable[order], method, tolerance, most_iterations)
     points = np.empty_like(data)
     points[order] = solved.points
     points = null_space.least(points)
@@ -80,7 +84,7 @@ def interpolate_points(
     status: Status = "interrupted" if solved.interrupted else "best_effort"
     if distances.max() <= tolerance:
         status = "within_tolerance"
-    return Interpolation(points, tuple(solved.residuals), distances, status, null_space.count)
+    return Interpolation(points, tuple(solved.residuals), distances, status, null_space.count + specks.null_vectors)
 
 
 class _Solved(NamedTuple):
