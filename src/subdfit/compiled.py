@@ -31,19 +31,24 @@ def kernel(function: Callable[..., Any]) -> Any:
     Products and sums may be contracted to fused multiply-adds; nothing else of the arithmetic is
     reordered, so that results do not depend on the number of threads.
     """
-    return _compile(function, forceinline=False)
+    return _compile(function)
+
+
+def inner_kernel(function: Callable[..., Any]) -> Any:
+    """Compile as `kernel` does, for callers that are kernels: the way in from Python is half of a small one's cost."""
+    return _compile(function, no_cpython_wrapper=True)
 
 
 def inlined_kernel(function: Callable[..., Any]) -> Any:
-    """Compile as `kernel` does, but contained in its callers: for the small steps of hot loops.
+    """Compile as `inner_kernel` does, but contained in its callers: for the small steps of hot loops.
 
     Such a kernel must not allocate, slice or return arrays: it counts no references to them, which in a loop over
     points would cost more than the arithmetic.
     """
-    return _compile(function, forceinline=True)
+    return _compile(function, no_cpython_wrapper=True, forceinline=True, _nrt=False)
 
 
-def _compile(function: Callable[..., Any], *, forceinline: bool) -> Any:
+def _compile(function: Callable[..., Any], **options: bool) -> Any:
     before = numba.core.config.CACHE_DIR
     numba.core.config.CACHE_DIR = cache_directory(function.__module__)
     try:
@@ -52,9 +57,8 @@ def _compile(function: Callable[..., Any], *, forceinline: bool) -> Any:
             cache=True,
             error_model="numpy",
             fastmath={"contract"},
-            forceinline=forceinline,
             no_cfunc_wrapper=True,
-            **({"_nrt": False, "no_cpython_wrapper": True} if forceinline else {}),
+            **options,
         )(function)
     finally:
         numba.core.config.CACHE_DIR = before

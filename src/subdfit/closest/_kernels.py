@@ -291,38 +291,36 @@ def project(  # type: ignore[no-untyped-def]
     for n in range(start, stop):
         k = order[n]
         x, y, z = points[k, 0], points[k, 1], points[k, 2]
-        c, u, v = cell[k], uv[k, 0], uv[k, 1]
-        expand(patches, c, u, v, e, cache, tags)
-        f = squared_distance(e, x, y, z)
+        c, u, v, f = cell[k], uv[k, 0], uv[k, 1], np.inf
+        c1, u1, v1, du, dv = c, u, v, 0.0, 0.0
+        steps = shortened = idle = 0
         settled = False
-        idle = 0
-        for _ in range(iterations):
-            c, u, v, du, dv = direction(patches, cells, c, u, v, x, y, z, e, trial, cache, tags, second)
-            length = 0.0
-            for d in range(3):
-                length += (du * e[3 + d] + dv * e[6 + d]) ** 2
-            if length <= tolerance * tolerance:
-                settled = True
-                break
-            moved = False
-            for _ in range(BACKTRACKS):
-                c1, u1, v1 = walk(cells, c, u, v, du, dv)
-                expand(patches, c1, u1, v1, trial, cache, tags)
-                f1 = squared_distance(trial, x, y, z)
-                if f1 < f or (f1 == f and c1 != c):
-                    moved = True
+        while True:
+            expand(patches, c1, u1, v1, trial, cache, tags)
+            f1 = squared_distance(trial, x, y, z)
+            if f1 < f or (f1 == f and c1 != c):
+                idle = idle + 1 if f1 == f else 0
+                c, u, v, f = c1, u1, v1, f1
+                e, trial = trial, e
+                settled = idle > 6
+                if settled or steps == iterations:
+                    break
+                steps, shortened = steps + 1, 0
+                c, u, v, du, dv = direction(patches, cells, c, u, v, x, y, z, e, trial, cache, tags, second)
+                length = 0.0
+                for d in range(3):
+                    length += (du * e[3 + d] + dv * e[6 + d]) ** 2
+                settled = length <= tolerance * tolerance
+                if settled:
+                    break
+            else:
+                shortened += 1
+                # Stuck at a corner or a kink, or at the limit of rounding.
+                settled = shortened == BACKTRACKS
+                if settled:
                     break
                 du, dv = 0.25 * du, 0.25 * dv
-            if not moved:
-                # Stuck at a corner or a kink, or at the limit of rounding.
-                settled = True
-                break
-            idle = idle + 1 if f1 == f else 0
-            c, u, v, f = c1, u1, v1, f1
-            e, trial = trial, e
-            if idle > 6:
-                settled = True
-                break
+            c1, u1, v1 = walk(cells, c, u, v, du, dv)
         cell[k], uv[k, 0], uv[k, 1] = c, u, v
         squared[k] = f
         converged[k] = settled

@@ -6,7 +6,7 @@ a curve (two edges of one mark), 2 corner. An edge has a *mark*: 0 smooth, 1 cre
 
 import numpy as np
 
-from subdfit.compiled import kernel
+from subdfit.compiled import inner_kernel, kernel
 from subdfit.initial._quadric_kernels import following, preceding, quadric_error, quadric_minimum
 
 SMOOTH, CURVE, CORNER = 0, 1, 2
@@ -25,7 +25,7 @@ FACE_QUALITY = 2.0 * np.sqrt(3.0)
 """Makes |normal| / (sum of squared sides) equal 1 for an equilateral triangle."""
 
 
-@kernel
+@inner_kernel
 def _cost(h, state, points, quadrics, vertices, twin, mark, kind, valence, subset):  # type: ignore[no-untyped-def]
     """Cost of collapsing edge `h`, infinite where its ends must stay apart, and the point they merge in.
 
@@ -59,7 +59,7 @@ def _cost(h, state, points, quadrics, vertices, twin, mark, kind, valence, subse
     return best * (1.0 + VALENCE_WEIGHT * excess * excess), x, y, z
 
 
-@kernel
+@inner_kernel
 def _keeps_curves(h, twin, mark):  # type: ignore[no-untyped-def]
     """Whether no triangle beside edge `h` has both other sides marked: those two curves would merge."""
     other = np.int64(twin[h])
@@ -69,7 +69,7 @@ def _keeps_curves(h, twin, mark):  # type: ignore[no-untyped-def]
     return kept
 
 
-@kernel
+@inner_kernel
 def _shared_neighbours(h, vertices, twin, outgoing, seen, stamp):  # type: ignore[no-untyped-def]
     """Count the vertices next to both ends of edge `h`; `stamp` must not be in `seen` yet."""
     u, v = vertices[h], vertices[following(h)]
@@ -94,7 +94,7 @@ def _shared_neighbours(h, vertices, twin, outgoing, seen, stamp):  # type: ignor
     return shared
 
 
-@kernel
+@inner_kernel
 def _star_change(u, v, x, y, z, points, vertices, twin, outgoing):  # type: ignore[no-untyped-def]
     """How the triangles of `u` that avoid `v` fare when `u` moves to (x, y, z).
 
@@ -133,7 +133,7 @@ def _star_change(u, v, x, y, z, points, vertices, twin, outgoing):  # type: igno
             return before, after, turn
 
 
-@kernel
+@inner_kernel
 def _collapse(h, gone, kept, vertices, twin, mark, outgoing, valence, kind):  # type: ignore[no-untyped-def]
     """Merge the ends of edge `h` into `kept`, take its one or two triangles out and sew the gaps."""
     start = outgoing[gone]
@@ -175,7 +175,7 @@ def _collapse(h, gone, kept, vertices, twin, mark, outgoing, valence, kind):  # 
                 break
 
 
-@kernel
+@inner_kernel
 def _sift_down(keys, edges, size):  # type: ignore[no-untyped-def]
     """Let the top entry of the four-way heap in row 0 sink to its place."""
     key, edge = keys[0, 0], edges[0, 0]
@@ -194,7 +194,7 @@ def _sift_down(keys, edges, size):  # type: ignore[no-untyped-def]
     edges[0, slot] = edge
 
 
-@kernel
+@inner_kernel
 def _enter(h, cost, ceiling, keys, edges, sizes):  # type: ignore[no-untyped-def]
     """Put an edge on the heap, row 0, if its cost is at most the ceiling, else in row 1, which has no order."""
     row = 1 if cost > ceiling else 0
@@ -208,7 +208,7 @@ def _enter(h, cost, ceiling, keys, edges, sizes):  # type: ignore[no-untyped-def
     edges[row, slot] = h
 
 
-@kernel
+@inner_kernel
 def _raise_ceiling(vertices, keys, edges, sizes):  # type: ignore[no-untyped-def]
     """Move waiting edges of at most twice the least cost onto the empty heap; forget dead ones met on the way.
 
@@ -340,7 +340,7 @@ def collapse_edges(  # type: ignore[no-untyped-def]
     return alive
 
 
-@kernel
+@inner_kernel
 def _grow_stale(h, twin, state):  # type: ignore[no-untyped-def]
     """Call the entries of edge `h` stale; False where it has none (it was refused before, or is new)."""
     queued = False
@@ -351,7 +351,7 @@ def _grow_stale(h, twin, state):  # type: ignore[no-untyped-def]
     return queued
 
 
-@kernel
+@inner_kernel
 def _next_spoke(h, centre, vertices, twin, outgoing):  # type: ignore[no-untyped-def]
     """Return the next edge of `centre` counter-clockwise after `h`, and whether the round is over.
 

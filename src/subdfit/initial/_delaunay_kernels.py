@@ -6,7 +6,7 @@ hull.
 
 import numpy as np
 
-from subdfit.compiled import kernel
+from subdfit.compiled import inner_kernel, kernel
 
 FLAT = 1e-9
 """Height over a facet, as a share of the root of its area, below which a point counts as lying in its plane."""
@@ -48,7 +48,7 @@ def small_facets(points, cells, beyond, largest, begin, end, corners, radii):  #
     return count
 
 
-@kernel
+@inner_kernel
 def _empty_radius(points, cells, beyond, c, i):  # type: ignore[no-untyped-def]
     """Radius of the smallest empty sphere through a facet (Cohen-Steiner and Da 2004, section 2.1).
 
@@ -82,7 +82,7 @@ def _empty_radius(points, cells, beyond, c, i):  # type: ignore[no-untyped-def]
     return np.sqrt(o0 * o0 + o1 * o1 + o2 * o2 + nearest * nearest)
 
 
-@kernel
+@inner_kernel
 def _apex_beyond(cells, beyond, c, i):  # type: ignore[no-untyped-def]
     """The fourth point of the cell across a facet, not on the hull."""
     cell, j = beyond[c, i], 0

@@ -4,10 +4,10 @@
 lower number is better, so that the order is always the same.
 """
 
-from subdfit.compiled import kernel
+from subdfit.compiled import inner_kernel
 
 
-@kernel
+@inner_kernel
 def put(entry, grade, heap, place, sizes):  # type: ignore[no-untyped-def]
     """Add an entry, or move it to where its grade belongs now."""
     if place[entry] < 0:
@@ -17,7 +17,7 @@ def put(entry, grade, heap, place, sizes):  # type: ignore[no-untyped-def]
     _settle(place[entry], grade, heap, place, sizes[0])
 
 
-@kernel
+@inner_kernel
 def take_out(entry, grade, heap, place, sizes):  # type: ignore[no-untyped-def]
     """Remove an entry, if it is there."""
     slot = place[entry]
@@ -31,12 +31,12 @@ def take_out(entry, grade, heap, place, sizes):  # type: ignore[no-untyped-def]
             _settle(slot, grade, heap, place, sizes[0])
 
 
-@kernel
+@inner_kernel
 def _better(p, q, grade):  # type: ignore[no-untyped-def]
     return grade[p] > grade[q] or (grade[p] == grade[q] and p < q)
 
 
-@kernel
+@inner_kernel
 def _settle(slot, grade, heap, place, size):  # type: ignore[no-untyped-def]
     """Move the entry in `slot` up or down to where it belongs."""
     entry = heap[slot]

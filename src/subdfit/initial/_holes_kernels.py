@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from subdfit.compiled import kernel
+from subdfit.compiled import inner_kernel, kernel
 
 
-@kernel
+@inner_kernel
 def _normal(points, i, j, k):  # type: ignore[no-untyped-def]
     """Twice the area vector of triangle (i, j, k)."""
     a0, a1, a2 = points[j, 0] - points[i, 0], points[j, 1] - points[i, 1], points[j, 2] - points[i, 2]
@@ -13,7 +13,7 @@ def _normal(points, i, j, k):  # type: ignore[no-untyped-def]
     return a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0
 
 
-@kernel
+@inner_kernel
 def _bend(a0, a1, a2, b0, b1, b2):  # type: ignore[no-untyped-def]
     """1 - cosine of the angle between two normals, 0 where one has no direction."""
     lengths = np.sqrt((a0 * a0 + a1 * a1 + a2 * a2) * (b0 * b0 + b1 * b1 + b2 * b2))

@@ -2,20 +2,20 @@
 
 import numpy as np
 
-from subdfit.compiled import kernel
+from subdfit.compiled import inner_kernel, kernel
 
 MOST_VISITS = 400
 """Triangles looked at for one alternating path."""
 
 
-@kernel
+@inner_kernel
 def may_lose(h, corners, least, faces_at):  # type: ignore[no-untyped-def]
     """Whether both ends of side `h` have a face to spare."""
     a, b = corners[h], corners[h + 1 if h % 3 < 2 else h - 2]
     return faces_at[a] > least[a] and faces_at[b] > least[b]
 
 
-@kernel
+@inner_kernel
 def change(h, by, corners, twin, mate, faces_at):  # type: ignore[no-untyped-def]
     """Join (`by` = -1) or part (+1) the two triangles beside `h`."""
     g = twin[h]
@@ -64,7 +64,7 @@ def lengthen_matching(allowed, corners, twin, least, faces_at, mate):  # type: i
                 tail += 1
 
 
-@kernel
+@inner_kernel
 def swap_path(last, root, entered, corners, twin, least, faces_at, mate):  # type: ignore[no-untyped-def]
     """Exchange joined and free sides from `last` back to `root`; undone where a vertex would keep too few faces."""
     path = np.empty(2 * MOST_VISITS, np.int32)

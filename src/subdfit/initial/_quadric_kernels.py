@@ -7,7 +7,7 @@ Surface simplification using quadric error metrics, 1997, section 5). Half-edge 
 
 import numpy as np
 
-from subdfit.compiled import kernel
+from subdfit.compiled import inner_kernel, kernel
 
 CURVE_WEIGHT = 10.0
 """Weight of the planes that stand on creases and boundaries, against the faces' own planes."""
@@ -56,7 +56,7 @@ def vertex_quadrics(points, vertices, mark):  # type: ignore[no-untyped-def]
     return quadrics
 
 
-@kernel
+@inner_kernel
 def _add_plane(quadrics, v, a, b, c, x, y, z, weight):  # type: ignore[no-untyped-def]
     """Add `weight` times the squared distance to the plane through (x, y, z) with unit normal (a, b, c)."""
     d = -(a * x + b * y + c * z)
@@ -72,7 +72,7 @@ def _add_plane(quadrics, v, a, b, c, x, y, z, weight):  # type: ignore[no-untype
     quadrics[v, 9] += weight * d * d
 
 
-@kernel
+@inner_kernel
 def _add_point(quadrics, v, x, y, z, weight):  # type: ignore[no-untyped-def]
     """Add `weight` times the squared distance to (x, y, z)."""
     quadrics[v, 0] += weight
@@ -84,7 +84,7 @@ def _add_point(quadrics, v, x, y, z, weight):  # type: ignore[no-untyped-def]
     quadrics[v, 9] += weight * (x * x + y * y + z * z)
 
 
-@kernel
+@inner_kernel
 def quadric_error(a00, a01, a02, a11, a12, a22, b0, b1, b2, c, x, y, z):  # type: ignore[no-untyped-def]
     """Value of a quadric at (x, y, z), not below 0."""
     value = x * (a00 * x + 2.0 * (a01 * y + a02 * z + b0))
@@ -92,7 +92,7 @@ def quadric_error(a00, a01, a02, a11, a12, a22, b0, b1, b2, c, x, y, z):  # type
     return max(value, 0.0)
 
 
-@kernel
+@inner_kernel
 def quadric_minimum(a00, a01, a02, a11, a12, a22, b0, b1, b2):  # type: ignore[no-untyped-def]
     """Solve A x = -b by LDL'; the first result is False where A is not safely positive definite."""
     l1, l2 = a01 / a00, a02 / a00

@@ -15,7 +15,7 @@ that leaves it, and edges are called by that point. ``front[u]`` holds what is k
 
 import numpy as np
 
-from subdfit.compiled import kernel
+from subdfit.compiled import inner_kernel, kernel
 from subdfit.initial._heap_kernels import put, take_out
 
 AFTER, BEFORE, HELD, FACET, APEX, WAITERS, NEXT = 0, 1, 2, 3, 4, 5, 6
@@ -40,7 +40,7 @@ ALIKE = 1.0 + 1e-6
 """Ratio of radii up to which facets count as lying on one sphere."""
 
 
-@kernel
+@inner_kernel
 def _bend(points, u, v, w, b):  # type: ignore[no-untyped-def]
     """Cosine of the angle between the normals of triangles u v w and v u b."""
     e0, e1, e2 = points[v, 0] - points[u, 0], points[v, 1] - points[u, 1], points[v, 2] - points[u, 2]
@@ -52,7 +52,7 @@ def _bend(points, u, v, w, b):  # type: ignore[no-untyped-def]
     return (m0 * n0 + m1 * n1 + m2 * n2) / np.sqrt(m * n)
 
 
-@kernel
+@inner_kernel
 def _wide(points, u, v, b):  # type: ignore[no-untyped-def]
     """Whether triangle u v b has an angle near 180 degrees at u or v."""
     e0, e1, e2 = points[v, 0] - points[u, 0], points[v, 1] - points[u, 1], points[v, 2] - points[u, 2]
@@ -66,7 +66,7 @@ def _wide(points, u, v, b):  # type: ignore[no-untyped-def]
     )
 
 
-@kernel
+@inner_kernel
 def _third(corners, facet, u, v):  # type: ignore[no-untyped-def]
     """The point of a facet besides `u` and `v`; -1 where one of them is no corner."""
     a, b, c = np.int64(corners[facet, 0]), np.int64(corners[facet, 1]), np.int64(corners[facet, 2])
@@ -75,7 +75,7 @@ def _third(corners, facet, u, v):  # type: ignore[no-untyped-def]
     return np.int64(-1)
 
 
-@kernel
+@inner_kernel
 def _joined(u, v, space, surface):  # type: ignore[no-untyped-def]
     """Whether the surface has the edge u v."""
     _, corners, offsets, at, _ = space
@@ -85,7 +85,7 @@ def _joined(u, v, space, surface):  # type: ignore[no-untyped-def]
     return found
 
 
-@kernel
+@inner_kernel
 def _fits(u, v, b, space, surface):  # type: ignore[no-untyped-def]
     """Whether the facet across front edge u v with third point b can join and leave an oriented manifold.
 
@@ -103,7 +103,7 @@ def _fits(u, v, b, space, surface):  # type: ignore[no-untyped-def]
     return (left or not _joined(u, b, space, surface)) and (right or not _joined(v, b, space, surface))
 
 
-@kernel
+@inner_kernel
 def _candidate(u, v, held, space, surface):  # type: ignore[no-untyped-def]
     """Find the facet of least radius across front edge u v of the surface's facet `held` (section 3).
 
@@ -133,7 +133,7 @@ def _candidate(u, v, held, space, surface):  # type: ignore[no-untyped-def]
     return best, best_apex, 1.0 / least if straightest > WEDGE else straightest - 2.0
 
 
-@kernel
+@inner_kernel
 def _drop(u, surface, queue):  # type: ignore[no-untyped-def]
     """Forget the candidate of edge u, wherever it is queued or waits."""
     front = surface[2]
@@ -150,7 +150,7 @@ def _drop(u, surface, queue):  # type: ignore[no-untyped-def]
     front[u, NEXT], front[u, FACET], front[u, APEX] = -1, -1, -1
 
 
-@kernel
+@inner_kernel
 def _look_ahead(u, space, surface, queue):  # type: ignore[no-untyped-def]
     """Find the candidate of front edge u anew and queue it."""
     front, grade = surface[2], queue[0]
@@ -160,7 +160,7 @@ def _look_ahead(u, space, surface, queue):  # type: ignore[no-untyped-def]
         put(u, *queue)
 
 
-@kernel
+@inner_kernel
 def _wait(u, surface, queue):  # type: ignore[no-untyped-def]
     """Set edge u aside until something changes at the apex of its candidate."""
     front = surface[2]
@@ -170,7 +170,7 @@ def _wait(u, surface, queue):  # type: ignore[no-untyped-def]
     front[b, WAITERS] = u
 
 
-@kernel
+@inner_kernel
 def _wake(b, surface, queue):  # type: ignore[no-untyped-def]
     """Queue the edges that waited for point b."""
     front = surface[2]
@@ -183,7 +183,7 @@ def _wake(b, surface, queue):  # type: ignore[no-untyped-def]
         u = ahead
 
 
-@kernel
+@inner_kernel
 def _choose(a, b, c, facet, surface, triangles, count):  # type: ignore[no-untyped-def]
     """Make triangle a b c, which is `facet`, part of the surface."""
     surface[0][facet] = True
@@ -191,7 +191,7 @@ def _choose(a, b, c, facet, surface, triangles, count):  # type: ignore[no-untyp
     count[0] += 1
 
 
-@kernel
+@inner_kernel
 def _connect(u, v, held, surface, queue):  # type: ignore[no-untyped-def]
     """Make u v a front edge along facet `held`, to be looked at before anything else."""
     _, state, front = surface
@@ -203,7 +203,7 @@ def _connect(u, v, held, surface, queue):  # type: ignore[no-untyped-def]
     put(u, *queue)
 
 
-@kernel
+@inner_kernel
 def _start(seed, space, surface, queue, triangles, count):  # type: ignore[no-untyped-def]
     """Begin a surface at a facet of free points that continues within the wedge across all its sides."""
     corners, state = space[1], surface[1]
@@ -216,7 +216,7 @@ def _start(seed, space, surface, queue, triangles, count):  # type: ignore[no-un
         _connect(u, v, seed, surface, queue)
 
 
-@kernel
+@inner_kernel
 def _cover(u, space, surface, queue, triangles, count):  # type: ignore[no-untyped-def]
     """Add the candidate of edge u: to a free point, as an ear beside the edge, or into the last gap of a loop."""
     _, state, front = surface
@@ -240,7 +240,7 @@ def _cover(u, space, surface, queue, triangles, count):  # type: ignore[no-untyp
         _wake(p, surface, queue)
 
 
-@kernel
+@inner_kernel
 def _twin(u, space, surface, queue):  # type: ignore[no-untyped-def]
     """The front edge at the apex of edge u's candidate whose own candidate shares a side with it; -1 for none.
 
@@ -256,7 +256,7 @@ def _twin(u, space, surface, queue):  # type: ignore[no-untyped-def]
     return p if back else np.int64(-1)
 
 
-@kernel
+@inner_kernel
 def _glue(u, twin, space, surface, queue, triangles, count):  # type: ignore[no-untyped-def]
     """Add the candidates of edges u and `twin`, which share a side."""
     front = surface[2]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subdfit.compiled import inlined_kernel, kernel
+from subdfit.compiled import inlined_kernel, inner_kernel
 
 KEPT = 10
 """Coefficient sets kept while the cell does not change: the sub-patches of three levels, and one for all deeper."""
@@ -17,7 +17,7 @@ def listed(points, positions, at, end):  # type: ignore[no-untyped-def]
     return positions[q, 0], positions[q, 1], positions[q, 2]
 
 
-@kernel
+@inner_kernel
 def gather(patches, patch, block, out, to):  # type: ignore[no-untyped-def]
     """Write a polynomial's coefficients, 16 for each coordinate, into ``out[to:to + 48]``."""
     kind = patches.patch_type[patch]

@@ -67,34 +67,23 @@ def expand(patches, cell, u, v, out, cache, tags):  # type: ignore[no-untyped-de
     """
     shape = patches.cell_shape[cell]
     patch, block, strip, x, y, xu, xv, yu, yv = locate(patches, cell, u, v)
-    derivatives(patches, shape, patch, block, strip, x, y, xu, xv, yu, yv, out, cache, tags)
-    levels = patches.type_levels[patches.patch_type[patch]]
-    if levels == 0 or block != 3 * levels:
-        return
-    px, py, pz = out[0], out[1], out[2]
-    wanted = found = 0.0
-    for i in range(3, 9):
-        wanted += out[i] * out[i]
-    # The sub-patch between of a deep level, at its middle; a triangle's is turned by half.
-    turn = 1.0 if shape == QUAD else -1.0
-    derivatives(
-        patches,
-        shape,
-        patch,
-        3 * NEAR_LEVEL - 1,
-        patches.type_strips[patches.patch_type[patch], 2],
-        0.5,
-        0.5,
-        turn * xu,
-        turn * xv,
-        turn * yu,
-        turn * yv,
-        out,
-        cache,
-        tags,
-    )
-    for i in range(3, 9):
-        found += out[i] * out[i]
+    kind = patches.patch_type[patch]
+    levels = patches.type_levels[kind]
+    px = py = pz = wanted = found = 0.0
+    for near in range(2):
+        derivatives(patches, shape, patch, block, strip, x, y, xu, xv, yu, yv, out, cache, tags)
+        if levels == 0 or (block < 3 * levels and not near):
+            return
+        wanted, found = found, 0.0
+        for i in range(3, 9):
+            found += out[i] * out[i]
+        if near:
+            break
+        px, py, pz = out[0], out[1], out[2]
+        # The sub-patch between of a deep level, at its middle; a triangle's is turned by half.
+        block, strip, x, y = 3 * NEAR_LEVEL - 1, np.int64(patches.type_strips[kind, 2]), 0.5, 0.5
+        if shape != QUAD:
+            xu, xv, yu, yv = -xu, -xv, -yu, -yv
     scale = np.sqrt(wanted / found) if found > 0 else 0.0
     out[0], out[1], out[2] = px, py, pz
     for i in range(3, 9):

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from subdfit.compiled import inlined_kernel, kernel
+from subdfit.compiled import inlined_kernel, inner_kernel
 from subdfit.limit._gather_kernels import KEPT, coefficients
 from subdfit.limit._locate_kernels import QUAD, part
 
@@ -63,7 +63,7 @@ def next_step(patches, shape, strip, levels, x, y):  # type: ignore[no-untyped-d
     return 5 * strip + i, patches.strip_parts[strip, i], levels - 1, x, y, factor
 
 
-@kernel
+@inner_kernel
 def take_step(matrices, matrix, cache, c, to):  # type: ignore[no-untyped-def]
     """Write what a matrix makes of the numbers at ``cache[c:]`` into ``cache[to:]``."""
     # Of unsigned numbers the compiler knows that they do not count from the end, and only then does it vectorise.
@@ -83,7 +83,7 @@ def take_step(matrices, matrix, cache, c, to):  # type: ignore[no-untyped-def]
             cache[b + r] = total
 
 
-@kernel
+@inner_kernel
 def into_strip(patches, shape, strip, x, y, cache, tags, c, tag):  # type: ignore[no-untyped-def]
     """Go from a strip, whose numbers are at ``cache[c:]``, to the polynomial under its (x, y).
 
@@ -121,7 +121,7 @@ def polynomial(patches, shape, patch, block, strip, x, y, cache, tags):  # type:
     return into_strip(patches, shape, strip, x, y, cache, tags, c, np.int64(patch) << 16 | block)
 
 
-@kernel
+@inner_kernel
 def way_into_strip(patches, shape, strip, x, y, way):  # type: ignore[no-untyped-def]
     """Write the matrices of `into_strip` into `way`; returns their number, x, y and scale."""
     scale, steps, levels = 1.0, 0, patches.strip_levels
@@ -132,7 +132,7 @@ def way_into_strip(patches, shape, strip, x, y, way):  # type: ignore[no-untyped
     return steps, x, y, scale
 
 
-@kernel
+@inner_kernel
 def back_from_strip(matrices, way, steps, row):  # type: ignore[no-untyped-def]
     """Turn a row over the coefficients at the end of `way` into one over the numbers at its beginning."""
     before = np.empty(16)
@@ -142,4 +142,5 @@ def back_from_strip(matrices, way, steps, row):  # type: ignore[no-untyped-def]
             for r in range(16):
                 total += matrices[begin + r] * row[r]
             before[k] = total
-        row[:] = before
+        for k in range(16):
+            row[k] = before[k]

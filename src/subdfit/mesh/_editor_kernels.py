@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from subdfit.compiled import kernel
+from subdfit.compiled import inner_kernel, kernel
 
 BISECTED = 1
 QUARTERED = 10
@@ -67,7 +67,7 @@ def torn_vertex(origin, twin, out, degree, vertices):
     return -1
 
 
-@kernel
+@inner_kernel
 def side_between(origin, twin, out, v, w):
     """Half-edge v to w, or w to v where only that exists; -1 when the vertices share no edge."""
     first = np.int64(out[v])
@@ -84,7 +84,7 @@ def side_between(origin, twin, out, v, w):
     return np.int64(-1)
 
 
-@kernel
+@inner_kernel
 def hard(twin, sharp, h):
     """Whether an edge is part of a curve that must stay: boundary or crease."""
     return twin[h] < 0 or sharp[h] > 0.0
@@ -136,7 +136,7 @@ def place_middles(origin, twin, marked, points, vertices, middle, parents):
         v += 1
 
 
-@kernel
+@inner_kernel
 def bisect(origin, twin, sharp, f, g, slot, vertex):
     """Cut face `f` from `vertex`, on its side `slot`, to the opposite corner; `g` gets the half after it.
 
@@ -151,7 +151,7 @@ def bisect(origin, twin, sharp, f, g, slot, vertex):
     sharp[3 * f + nxt] = sharp[3 * g + last] = 0.0
 
 
-@kernel
+@inner_kernel
 def distance_squared(points, a, b):
     """Squared distance of two vertices."""
     x, y, z = points[a, 0] - points[b, 0], points[a, 1] - points[b, 1], points[a, 2] - points[b, 2]
@@ -208,7 +208,7 @@ def divide_faces(origin, twin, sharp, points, marked, middle, pattern, child, fi
         new += count
 
 
-@kernel
+@inner_kernel
 def quarter(origin, twin, sharp, f, new, ab, bc, ca):
     """Cut face `f` in four: corner triangles ``new + slot``, and the middle, turned round, in row `f`."""
     h, n = 3 * f, 3 * new
@@ -240,7 +240,7 @@ def join_sides(twin, sharp, old_twin, old_sharp, marked, first, second):
 # Carried points.
 
 
-@kernel
+@inner_kernel
 def put(uv, p, slot, w0, w1, w2):
     """Store weights that begin at `slot`, kept inside the triangle against rounding."""
     u, v = w1, w2
@@ -254,7 +254,7 @@ def put(uv, p, slot, w0, w1, w2):
     uv[p, 1] = v if u + v <= 1.0 else 1.0 - u
 
 
-@kernel
+@inner_kernel
 def taken(uv, p, slot):
     """Weights of a point, beginning at `slot`."""
     u, v = uv[p, 0], uv[p, 1]
@@ -266,7 +266,7 @@ def taken(uv, p, slot):
     return v, w, u
 
 
-@kernel
+@inner_kernel
 def follow_bisection(face, uv, p, g, slot):
     """Move a point with a bisection of its face on side `slot`; True when it goes to the new face `g`."""
     x, y, z = taken(uv, p, slot)
@@ -358,7 +358,7 @@ def follow_flips(face, uv, changed, log, head, link):
 # Flips.
 
 
-@kernel
+@inner_kernel
 def area_vector(points, a, b, c):
     """Normal of a triangle, twice its area long."""
     ux, uy, uz = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1], points[b, 2] - points[a, 2]
@@ -366,7 +366,7 @@ def area_vector(points, a, b, c):
     return uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
 
 
-@kernel
+@inner_kernel
 def faces_on(points, a, d, c, b, cos_turn):
     """Whether the triangles adc and bcd keep within an angle of the quad's area vector and are no slivers.
 
@@ -385,7 +385,7 @@ def faces_on(points, a, d, c, b, cos_turn):
     return not (turned0 or turned1)
 
 
-@kernel
+@inner_kernel
 def may_flip(origin, twin, sharp, out, points, h, cos_turn):
     """Whether the edge of `h` may turn: it is smooth and inner, the new edge is new, and the faces are sound.
 
@@ -406,7 +406,7 @@ def may_flip(origin, twin, sharp, out, points, h, cos_turn):
     return side_between(origin, twin, out, np.int64(c), np.int64(d)) < 0
 
 
-@kernel
+@inner_kernel
 def flip(origin, twin, sharp, out, degree, touched, h, t):
     """Turn the common edge ab of abc (side `h`) and bad (side `t`) to cd: adc and bcd keep their rows."""
     bc, ad = following(h), following(t)
@@ -433,7 +433,7 @@ def flip(origin, twin, sharp, out, degree, touched, h, t):
         touched[v] = True
 
 
-@kernel
+@inner_kernel
 def largest_cosine(points, a, b, c):
     """Cosine of the smallest angle of a triangle; 1 when two corners coincide."""
     bc, ca = distance_squared(points, b, c), distance_squared(points, c, a)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subdfit.compiled import kernel
+from subdfit.compiled import inner_kernel, kernel
 
 
 @kernel
@@ -84,7 +84,7 @@ def link_half_edges(face_offsets, twin):  # type: ignore[no-untyped-def]
     return following, face, edge, edge_count
 
 
-@kernel
+@inner_kernel
 def before(h, face_offsets, face):  # type: ignore[no-untyped-def]
     """Half-edge before `h` in its face."""
     f = face[h]

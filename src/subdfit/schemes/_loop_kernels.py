@@ -38,7 +38,7 @@ def regular_ring(h, out, sizes, at, face_vertices, twin, first, faces, position,
     """
     vertices, offset = sizes[0], sizes[1]
     turn = 6 - position[h]
-    last = -1
+    last = h
     for i in range(faces[h]):
         g = twin[last] if i else first[h]
         out[at + (i + turn) % 6] = vertices + face_vertices[after(g)]

@@ -30,7 +30,12 @@ def refined_points(  # type: ignore[no-untyped-def]
     """
     n, e, f = len(points), len(sharpness), len(face_offsets) - 1
     row = n + e
-    out = np.zeros((n if vertices_only else row + np.count_nonzero(has_centroid), 3))
+    count = n
+    if not vertices_only:
+        count = row
+        for face in range(f):
+            count += has_centroid[face]
+    out = np.zeros((count, 3))
     for v in range(n):
         for d in range(3):
             out[v, d] = weights[v, 0] * points[v, d]

@@ -10,7 +10,7 @@ in preorder, so that a child's number is above its parent's. The root is node 0.
 import numpy as np
 from numpy.typing import NDArray
 
-from subdfit.compiled import kernel
+from subdfit.compiled import inner_kernel, kernel
 
 Reals = NDArray[np.float64]
 Indices = NDArray[np.int32]
@@ -68,7 +68,7 @@ def build(triangle_boxes: Reals, rows: Indices, boxes: Reals, children: Indices)
     return count
 
 
-@kernel
+@inner_kernel
 def _bound(triangle_boxes: Reals, rows: Indices, first: int, last: int, box: Reals, centres: Reals) -> None:
     """Set `box` to the union of the triangles' boxes, and `centres` to the box of twice their centres."""
     low_x = low_y = low_z = centre_low_x = centre_low_y = centre_low_z = np.inf
@@ -89,7 +89,7 @@ def _bound(triangle_boxes: Reals, rows: Indices, first: int, last: int, box: Rea
     centres[3], centres[4], centres[5] = centre_high_x, centre_high_y, centre_high_z
 
 
-@kernel
+@inner_kernel
 def _split(
     triangle_boxes: Reals,
     rows: Indices,
@@ -137,7 +137,7 @@ def _split(
     return i
 
 
-@kernel
+@inner_kernel
 def _best_cut(bin_boxes: Reals, bin_counts: NDArray[np.int64], costs: Reals) -> int:
     """Bin that begins the second part in the cheapest split: area times count, summed over both parts."""
     low_x = low_y = low_z = np.inf

@@ -7,23 +7,28 @@ Kernels of other rooms may call `nearest`, `collect` and `closest_on_triangle` i
 import numpy as np
 from numpy.typing import NDArray
 
-from subdfit.compiled import kernel
+from subdfit.compiled import inner_kernel, kernel
 from subdfit.target._bvh_build_kernels import STACK_SIZE, Indices, Reals
 
+ROOT = np.int64(0)
+"""The first node; a bare 0 would have what is called with it compiled once more, for this number."""
 FLAT = 1e-28
 """Squared sine of a corner below which a triangle has no plane: fused products make rounding errors of what is 0."""
 
 
-@kernel
-def _box_squared(boxes: Reals, node: int, side: int, x: float, y: float, z: float) -> float:
-    """Squared distance of a point from a child's box."""
-    dx: float = max(max(boxes[node, side, 0] - x, x - boxes[node, side, 3]), 0.0)
-    dy: float = max(max(boxes[node, side, 1] - y, y - boxes[node, side, 4]), 0.0)
-    dz: float = max(max(boxes[node, side, 2] - z, z - boxes[node, side, 5]), 0.0)
-    return dx * dx + dy * dy + dz * dz
+@inner_kernel
+def _boxes_squared(boxes: Reals, node: int, x: float, y: float, z: float) -> tuple[float, float]:
+    """Squared distances of a point from both children's boxes."""
+    ax = max(max(boxes[node, 0, 0] - x, x - boxes[node, 0, 3]), 0.0)
+    ay = max(max(boxes[node, 0, 1] - y, y - boxes[node, 0, 4]), 0.0)
+    az = max(max(boxes[node, 0, 2] - z, z - boxes[node, 0, 5]), 0.0)
+    bx = max(max(boxes[node, 1, 0] - x, x - boxes[node, 1, 3]), 0.0)
+    by = max(max(boxes[node, 1, 1] - y, y - boxes[node, 1, 4]), 0.0)
+    bz = max(max(boxes[node, 1, 2] - z, z - boxes[node, 1, 5]), 0.0)
+    return ax * ax + ay * ay + az * az, bx * bx + by * by + bz * bz
 
 
-@kernel
+@inner_kernel
 def _along(ex: float, ey: float, ez: float, px: float, py: float, pz: float) -> float:
     """Parameter in [0, 1] of the point of the segment 0 to e that is closest to p."""
     length = ex * ex + ey * ey + ez * ez
@@ -33,7 +38,7 @@ def _along(ex: float, ey: float, ez: float, px: float, py: float, pz: float) -> 
     return dot / length if dot < length else 1.0
 
 
-@kernel
+@inner_kernel
 def closest_on_triangle(corners: Reals, slot: int, x: float, y: float, z: float) -> tuple[float, float, float]:
     """Closest point of one triangle: ``(u, v, squared)``, the point being ``(1 - u - v) a + u b + v c``.
 
@@ -102,12 +107,11 @@ def nearest(
     """
     best = -1
     top = 0
-    node = 0
+    node = int(ROOT)
     while True:
         if node >= 0:
             near, far = int(children[node, 0]), int(children[node, 1])
-            near_squared = _box_squared(boxes, node, 0, x, y, z)
-            far_squared = _box_squared(boxes, node, 1, x, y, z)
+            near_squared, far_squared = _boxes_squared(boxes, node, x, y, z)
             if far_squared < near_squared:
                 near, far = far, near
                 near_squared, far_squared = far_squared, near_squared
@@ -132,7 +136,7 @@ def nearest(
         node = int(stack_nodes[top])
 
 
-@kernel
+@inner_kernel
 def collect(
     boxes: Reals,
     children: Indices,
@@ -169,10 +173,13 @@ def collect(
         top -= 1
         node = int(stack_nodes[top])
         if node >= 0:
-            for side in range(1, -1, -1):
-                if _box_squared(boxes, node, side, x, y, z) <= radius * radius:
-                    stack_nodes[top] = children[node, side]
-                    top += 1
+            first_squared, second_squared = _boxes_squared(boxes, node, x, y, z)
+            if second_squared <= radius * radius:
+                stack_nodes[top] = children[node, 1]
+                top += 1
+            if first_squared <= radius * radius:
+                stack_nodes[top] = children[node, 0]
+                top += 1
             continue
         for slot in range(~node >> 3, (~node >> 3) + (~node & 7)):
             f = rows[slot]
