@@ -95,8 +95,12 @@ def test_poisson_passes_near_noisy_points(meshes):
 def test_poisson_is_trimmed_where_there_are_no_points():
     pytest.importorskip("open3d", reason="the extra poisson is not installed")
     points = clouds.sphere(6000)
-    bowl = points[points[:, 2] < 0.3]
-    mesh = subdfit.reconstruct(bowl, method="poisson").mesh
+    bowl = np.concatenate([points[points[:, 2] < 0.3], [[0.0, 0.0, 1.5]]])
+    found = subdfit.reconstruct(bowl, method="poisson")
+    mesh = found.mesh
+    assert found.left_out.tolist() == [len(bowl) - 1]
+    tree = TriangleTree(mesh.points, mesh.face_vertices.reshape(-1, 3))
+    assert found.error == pytest.approx(tree.closest(bowl[:-1]).distance.max())
     assert mesh.points[:, 2].max() < 0.45
     assert shape_of(len(mesh.points), mesh.face_vertices.reshape(-1, 3)).loops == 1
     assert np.abs(np.linalg.norm(mesh.points, axis=1) - 1).max() < 0.05

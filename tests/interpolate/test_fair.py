@@ -1,5 +1,7 @@
 """The thin-plate energy against geometry, and the surfaces of least energy through the data."""
 
+from math import factorial
+
 import numpy as np
 import pytest
 
@@ -8,12 +10,13 @@ from shapes.zoo import grid_data, mesh_of
 from subdfit.initial import decimate
 from subdfit.initial.components import keep_components
 from subdfit.interpolate import LimitOperator, fair_interpolation, interpolate_points
-from subdfit.interpolate.energy import thin_plate
+from subdfit.interpolate.energy import _RULES, thin_plate
 from subdfit.io import read
 from subdfit.limit import LimitSurface
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.mesh.repair import mend
 from subdfit.schemes import SCHEMES
+from subdfit.schemes.domain import QUAD, TRIANGLE
 from subdfit.target.frame import Frame
 
 IDS = ["-".join(case).replace(" ", "_") for case in SOME]
@@ -38,6 +41,15 @@ def test_the_energy_is_a_form_that_knows_no_place(case):
     assert abs(K - K.T).max() <= 1e-12 * scale
     assert np.abs(K @ np.ones(K.shape[0])).max() <= 1e-9 * scale
     assert np.linalg.eigvalsh(K.toarray()).min() >= -1e-10 * scale
+
+
+@pytest.mark.parametrize(("shape", "degree"), [(TRIANGLE, 4), (QUAD, 5)])
+def test_quadrature_is_exact_for_polynomials(shape, degree):
+    uv, weights = _RULES[shape]
+    for i in range(degree + 1):
+        for j in range(degree + 1 - i):
+            exact = factorial(i) * factorial(j) / factorial(i + j + 2) if shape == TRIANGLE else 1 / ((i + 1) * (j + 1))
+            assert weights @ (uv[:, 0] ** i * uv[:, 1] ** j) == pytest.approx(exact, rel=1e-13)
 
 
 def round_torus(rows, columns, major=2.0, minor=1.0):

@@ -16,6 +16,7 @@ from subdfit.api.targets import check_count, stages
 from subdfit.api.workers import workers
 from subdfit.compiled import compile_clock
 from subdfit.errors import InputError
+from subdfit.initial.cloud_checks import tell
 from subdfit.initial.distinct import distinct
 from subdfit.initial.holes import fill_holes
 from subdfit.initial.poisson import poisson_mesh
@@ -24,8 +25,10 @@ from subdfit.initial.reconstruct import reconstruct as join_points
 from subdfit.initial.simplify import LEAST_VERTICES, Simplified, simplify
 from subdfit.mesh.data import MeshData
 from subdfit.mesh.repair import check
+from subdfit.target.bvh import TriangleTree
 from subdfit.target.frame import Frame
 
+Floats = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
 METHODS = (*ENGINES, "poisson")
@@ -137,13 +140,14 @@ def reconstruct(
         stages.info("joining points")
         found = largest_of_cloud(_joined(data, asked, name), keep_components, name)
         simple, rows = _simplified(found, asked, length)
+        error = simple.error if len(found.point_rows) else _largest_error(data.points, found.left_out, simple)
     return Reconstruction(
         mesh=MeshData(simple.points, 3 * np.arange(len(simple.triangles) + 1), simple.triangles.ravel()),
         cloud=data.points,
         point_rows=rows,
         left_out=found.left_out,
         repeated=found.repeated,
-        error=simple.error,
+        error=error,
         settings=asdict(asked) | {"threads": threads, "memory": limit},
         seconds=elapsed(begun, compiled),
     )
@@ -180,8 +184,20 @@ def _joined(data: MeshData, asked: _Asked, name: str) -> Reconstructed:
         )
     smooth = poisson_mesh(data.points, data.normals, gap=asked.gap, name=name)
     closed = fill_holes(smooth.points, smooth.triangles, asked.small_hole)
-    none = np.empty(0, np.int64)
-    return Reconstructed(closed.points, closed.triangles, none, none, len(data.points) - len(distinct(data.points)))
+    far = np.flatnonzero(_distances(data.points, closed.points, closed.triangles) > smooth.reach)
+    tell(len(far), 0, len(data.points), name)
+    repeated = len(data.points) - len(distinct(data.points))
+    return Reconstructed(closed.points, closed.triangles, np.empty(0, np.int64), far, repeated)
+
+
+def _distances(cloud: Floats, points: Floats, triangles: Rows) -> Floats:
+    """Distance of each point of a cloud from a mesh, (n,)."""
+    return TriangleTree(points, triangles).closest(cloud).distance
+
+
+def _largest_error(cloud: Floats, left_out: Rows, mesh: Simplified) -> float:
+    """Largest distance from the mesh of the points that are not left out."""
+    return float(_distances(np.delete(cloud, left_out, axis=0), mesh.points, mesh.triangles).max(initial=0.0))
 
 
 def _simplified(found: Reconstructed, asked: _Asked, length: Length | None) -> tuple[Simplified, Rows | None]:

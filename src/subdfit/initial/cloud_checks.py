@@ -108,7 +108,7 @@ def tell(left_out: int, repeated: int, given: int, name: str) -> None:
             f"; is all there twice, or {LOST}?" if lost else "",
         )
     if left_out:
-        logger.warning("%s: %d points fit no surface and are left out", name, left_out)
+        logger.warning("%s: %d points lie on no surface and are left out", name, left_out)
 
 
 def _tangles(topology: Topology) -> int:

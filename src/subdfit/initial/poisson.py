@@ -35,10 +35,12 @@ class PoissonMesh:
     ----------
     points : (k, 3) float64, in the cloud's unit.
     triangles : (m, 3) int64, oriented outward.
+    reach : distance from the cloud's points beyond which it was cut away.
     """
 
     points: Floats
     triangles: Rows
+    reach: float
 
 
 def poisson_mesh(
@@ -75,11 +77,12 @@ def poisson_mesh(
     triangles = triangles[near[triangles].all(axis=1)]
     if not len(triangles):
         raise InputError(f"{name}: the Poisson surface does not come near the points; check their normals")
+    vertices, triangles = _compact(vertices, triangles)
     mesh = mend(MeshData(vertices, 3 * np.arange(len(triangles) + 1), triangles.ravel()), repair=True, name=name).data
     kept, triangles = _without_crumbs(mesh.points, mesh.face_vertices.reshape(-1, 3))
     if normals is None:
         triangles = oriented_outward(kept, triangles)
-    return PoissonMesh(frame.outside(kept), triangles)
+    return PoissonMesh(frame.outside(kept), triangles, gap * distance * frame.diagonal)
 
 
 def _zero_surface(points: Floats, normals: Floats, depth: int, name: str) -> tuple[Floats, Rows]:
@@ -104,8 +107,12 @@ def _without_crumbs(points: Floats, triangles: Rows) -> tuple[Floats, Rows]:
     component, count = components_of(triangles, len(points))
     a, b, c = (points[triangles[:, k]] for k in range(3))
     area = np.bincount(component, np.linalg.norm(np.cross(b - a, c - a), axis=1), count)
-    kept = triangles[(area >= CRUMB * area.max())[component]]
-    used, rows = np.unique(kept, return_inverse=True)
+    return _compact(points, triangles[(area >= CRUMB * area.max())[component]])
+
+
+def _compact(points: Floats, triangles: Rows) -> tuple[Floats, Rows]:
+    """The points that triangles use, and these in terms of them."""
+    used, rows = np.unique(triangles, return_inverse=True)
     return points[used], rows.reshape(-1, 3).astype(np.int64)
 
 
