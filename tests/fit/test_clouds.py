@@ -7,6 +7,7 @@ import subdfit
 from subdfit.api.measuring import compare
 from subdfit.fit.data import FitData
 from subdfit.fit.state import FitState
+from subdfit.fit.strays import Strays
 from subdfit.fit.tangent import huber
 from subdfit.limit.surface import LimitSurface
 from subdfit.measure import far_points, outliers
@@ -143,6 +144,24 @@ def test_what_strays_between_the_points_is_not_certified():
     assert sound.certified
     assert crumpled.status == "within_tolerance"
     assert not crumpled.certified
+
+
+def test_cuts_that_make_the_surface_stray_are_taken_back():
+    """To the state that strayed least, with its samples, though its control mesh is coarser than that of the last."""
+    points = random_sphere(1000)
+    target = cloud_target(points, subdfit.reconstruct(points).mesh.face_vertices.reshape(-1, 3))
+    data, strays = FitData.of(target, spacing=1.0), Strays(1e-3)
+    coarse = subdfit.fit((target.points, target.triangles), max_error="1%").control_mesh
+    crumpled = subdfit.subdivide(coarse, 1).points.copy()
+    crumpled[-1] *= 1.3
+    fine = subdfit.subdivide(coarse, 1).with_points(crumpled)
+    first, second = (FitState.start(data, LimitSurface(mesh)) for mesh in (coarse, fine))
+    assert strays.taken_back(first) is first
+    strays.to_cut(first, np.arange(3))
+    assert strays.taken_back(second) is second
+    assert len(strays.to_cut(second, np.arange(9))) == 0
+    assert strays.taken_back(second) is first
+    np.testing.assert_array_equal(strays.samples(first).gap, Strays(1e-3).samples(first).gap)
 
 
 def test_beyond_a_ragged_rim_the_surface_may_reach_for_the_next_point():

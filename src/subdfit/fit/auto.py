@@ -57,6 +57,7 @@ class Auto:
 
     def advance(self, state: FitState) -> FitState:
         """One round: the control mesh is adapted, then moved until that gains little; only there, if faults are few."""
+        state = self._taken_back(state)
         topology, focus = state.surface.topology, None
         if self._begun:
             state, focus = self.adapt(state)
@@ -65,6 +66,14 @@ class Auto:
         final = self._begun and state.surface.topology is topology
         self._begun, self._drawn = True, focus is not None
         return self._moved_everywhere(state, final) if focus is None else self._moved_near(state, focus)
+
+    def _taken_back(self, state: FitState) -> FitState:
+        """The state, or an earlier one where cuts between the points of a cloud made the surface stray.
+
+        There, unlike inside the faces of a mesh, are no data that hold a finer surface.
+        """
+        cloud = state.data.target.cloud
+        return self._strays.taken_back(state) if cloud and within(state, self.settings.tolerance) else state
 
     def stray(self, state: FitState) -> float:
         """How far samples of the surface lie off the target at most, in tolerances."""

@@ -33,6 +33,7 @@ class Strays:
         self.bound = bound
         self._insistence = 1.0
         self._seen: tuple[LimitSurface, Samples] | None = None
+        self._steadiest: tuple[float, FitState, tuple[LimitSurface, Samples]] | None = None
         self._cut = 0
         self._cutting_helps = True
 
@@ -58,6 +59,16 @@ class Strays:
     def worst(self, state: FitState) -> float:
         """How far a sample strays at most, in bounds."""
         return float(self.samples(state).gap.max(initial=0.0)) / (self.bound or np.inf)
+
+    def taken_back(self, state: FitState) -> FitState:
+        """The state, or once cutting left more strays that one of all given which strayed least."""
+        worst = self.worst(state)
+        if self._seen and (self._steadiest is None or worst < self._steadiest[0]):
+            self._steadiest = (worst, state, self._seen)
+        if self._cutting_helps or self._steadiest is None:
+            return state
+        _, state, self._seen = self._steadiest
+        return state
 
     def faces(self, state: FitState) -> Faces:
         """Faces whose samples stray beyond the bound, the farthest first."""
