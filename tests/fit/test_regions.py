@@ -43,11 +43,14 @@ def test_regions_move_as_the_whole_and_apart_from_one_another(scheme, name):
     moving[rng.integers(0, len(moving), 3)] = True
     points = surface.control_mesh.points + 0.1 * rng.normal(size=(len(moving), 3)) * moving[:, None]
     moved = surface.with_points(points)
-    claimed = np.zeros(surface.domain.face_count, int)
+    claimed, free = np.zeros(surface.domain.face_count, int), np.zeros(len(moving), int)
     for region, cells in regions(surface, moving):
         claimed += cells
+        free[region.vertices[region.own]] += 1
         assert_alike(moved, region.surface.with_points(points[region.vertices]), cells, region.inner)
     assert claimed.max() == 1
+    assert free.max() == 1
+    assert free[moving].all()
     reached = faces_at(surface.topology, ring(surface.topology, moving))
     assert np.array_equal(claimed > 0, reached[Places(surface).face])
 

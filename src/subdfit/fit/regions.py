@@ -28,18 +28,21 @@ class Region:
     surface : of these faces; its rim, where the whole goes on, counts as no boundary.
     inner : (cells,) bool, the cells of `surface` that lie as the whole's do.
     vertices : (n,), the whole's control vertices that are those of `surface`.
+    own : (n,) bool, those of the faces themselves; the others belong to what lies round them, other regions perhaps.
     """
 
     surface: LimitSurface
     inner: Flags
     vertices: Rows
+    own: Flags
 
     @classmethod
     def of(cls, surface: LimitSurface, faces: Flags) -> "Region":
         """The region of the flagged faces, (f,), of a surface."""
         whole = surface.topology
-        corners = np.zeros(whole.vertex_count, np.bool_)
-        corners[whole.face_vertices[faces[whole.face]]] = True
+        own = np.zeros(whole.vertex_count, np.bool_)
+        own[whole.face_vertices[faces[whole.face]]] = True
+        corners = own
         if surface.scheme.whole_curves:
             corners = ring(whole, _along_curves(whole, ring(whole, corners)))
         kept = faces_at(whole, corners)
@@ -47,7 +50,7 @@ class Region:
         points = surface.control_mesh.points[vertices]
         part = LimitSurface(ControlMesh(topology, points, surface.scheme.name), surface.scheme)
         inner = faces[np.flatnonzero(kept)][Places(part).face]
-        return cls(_without_rim(part, kept, whole), np.asarray(inner), vertices)
+        return cls(_without_rim(part, kept, whole), np.asarray(inner), vertices, own[vertices])
 
     def state(self, whole: FitState, cells: Flags) -> FitState:
         """The state of the data that lie in the flagged cells, (c,), of the whole."""
@@ -57,7 +60,7 @@ class Region:
 def regions(surface: LimitSurface, moving: Flags) -> Iterator[tuple[Region, Flags]]:
     """The regions that the flagged control vertices, (n,), move, each with the flags of its cells in the whole.
 
-    Regions have no vertex in common.
+    No two have a vertex of their faces in common.
     """
     topology, place = surface.topology, Places(surface).face
     moved = faces_at(topology, ring(topology, moving))

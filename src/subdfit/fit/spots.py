@@ -75,7 +75,7 @@ def spots_moved(state: FitState, moving: Flags, weights: TangentSettings, bound:
     points = state.surface.control_mesh.points.copy()
     segments = reverse_segments(state.surface.domain)
     for region, cells in regions(state.surface, moving):
-        free = moving[region.vertices]
+        free = moving[region.vertices] & region.own
         some, _ = region.state(state, cells).thinned(ENOUGH)
         spot = Spot(some, region.inner, free, segments, weights, bound)
         points[region.vertices[free]] = spot.moved(insistence)[free]
