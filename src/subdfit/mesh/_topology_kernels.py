@@ -59,17 +59,11 @@ def pair_half_edges(face_offsets, face_vertices, vertex_count):  # type: ignore[
 
 
 @kernel
-def link_half_edges(face_offsets, twin):  # type: ignore[no-untyped-def]
-    """Order half-edges round their faces, and number edges as half-edges first meet them.
+def link_half_edges(face_offsets, twin, following, face, edge):  # type: ignore[no-untyped-def]
+    """Order half-edges round their faces, and number edges as half-edges first meet them; return how many there are.
 
-    Returns
-    -------
-    following, face, edge : int32 (h,).
-    edge_count : int
+    `following`, `face` and `edge` (h,) are written.
     """
-    following = np.empty(len(twin), np.int32)
-    face = np.empty(len(twin), np.int32)
-    edge = np.empty(len(twin), np.int32)
     edge_count = 0
     for f in range(len(face_offsets) - 1):
         first, last = face_offsets[f], face_offsets[f + 1] - 1
@@ -81,7 +75,7 @@ def link_half_edges(face_offsets, twin):  # type: ignore[no-untyped-def]
             else:
                 edge[h] = edge_count
                 edge_count += 1
-    return following, face, edge, edge_count
+    return edge_count
 
 
 @inner_kernel
@@ -92,22 +86,17 @@ def before(h, face_offsets, face):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def outgoing_half_edges(face_vertices, twin, vertex_count):  # type: ignore[no-untyped-def]
+def outgoing_half_edges(face_vertices, twin, outgoing, valence):  # type: ignore[no-untyped-def]
     """Give each vertex one outgoing half-edge: on the boundary the one without a twin, else the lowest.
 
-    Returns
-    -------
-    outgoing : int32 (n,), -1 for an isolated vertex.
-    valence : int32 (n,), number of faces round the vertex.
+    `outgoing` (n,) comes as -1, which it remains for an isolated vertex; `valence` (n,), the number of faces round the
+    vertex, as 0.
     """
-    outgoing = np.full(vertex_count, -1, np.int32)
-    valence = np.zeros(vertex_count, np.int32)
     for h in range(len(face_vertices)):
         v = face_vertices[h]
         valence[v] += 1
         if outgoing[v] < 0 or (twin[h] < 0 and twin[outgoing[v]] >= 0):
             outgoing[v] = h
-    return outgoing, valence
 
 
 @kernel

@@ -109,8 +109,10 @@ class Topology:
     @classmethod
     def from_twins(cls, face_offsets: Indices, face_vertices: Indices, twin: Indices, vertex_count: int) -> "Topology":
         """Build from a sound manifold's faces, whose half-edges are paired already; only the boundary is sharp."""
-        following, face, edge, edge_count = link_half_edges(face_offsets, twin)
-        outgoing, valence = outgoing_half_edges(face_vertices, twin, vertex_count)
+        following, face, edge = (np.empty(len(twin), np.int32) for _ in range(3))
+        edge_count = link_half_edges(face_offsets, twin, following, face, edge)
+        outgoing, valence = np.full(vertex_count, -1, np.int32), np.zeros(vertex_count, np.int32)
+        outgoing_half_edges(face_vertices, twin, outgoing, valence)
         sharpness = np.zeros(edge_count)
         sharpness[edge[twin < 0]] = np.inf
         return cls(

@@ -113,7 +113,5 @@ class Cells:
             # An edge from a vertex on a plain curve ends there.
             ends = ~parent.inner[h]
             found[t.face_count + np.flatnonzero(ends)] = t.face_vertices[h[ends]]
-        sector, _ = parent.sectors
-        polygons = sector[(sector == np.arange(len(sector))) & ~parent.plain]
-        found[self.vertex_faces :] = t.face_vertices[polygons]
+        found[self.vertex_faces :] = t.face_vertices[parent.polygons]
         return found

@@ -1,7 +1,5 @@
 """The connectivity of a mesh after one step of Doo-Sabin subdivision."""
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,15 +9,6 @@ from subdfit.schemes._doo_sabin_curves import Curves
 from subdfit.schemes._doo_sabin_refine import Numbers
 
 Indices = NDArray[np.int32]
-Rows = NDArray[np.integer]
-
-
-class _Polygons(NamedTuple):
-    """Polygons round vertices, see `kernels.vertex_polygons`."""
-
-    sizes: Indices
-    vertices: Indices
-    place: Indices
 
 
 def child_topology(curves: Curves, numbers: Numbers) -> tuple[Topology, int]:
@@ -29,30 +18,24 @@ def child_topology(curves: Curves, numbers: Numbers) -> tuple[Topology, int]:
     for each vertex off plain curves a polygon between its sharp edges, which has the new vertices on these besides.
     """
     t, at = curves.topology, numbers.of_face_corner
-    smooth = np.flatnonzero(~curves.sharp & (np.arange(len(t.twin), dtype=np.int32) < t.twin))
+    count = len(t.twin)
     strips = _strip_quads(curves, numbers)
-    polygons = _Polygons(
-        *kernels.vertex_polygons(
-            t.face_vertices,
-            t.twin,
-            curves.preceding,
-            curves.sharp,
-            curves.plain,
-            *curves.sectors,
-            at,
-            numbers.origin,
-            numbers.target,
-            numbers.corner,
-        )
-    )
-    quads = len(smooth) + len(strips)
-    lengths = np.concatenate([curves.sides, np.full(quads, 4), polygons.sizes])
-    offsets = np.concatenate([[0], np.cumsum(lengths)]).astype(np.int32)
-    corners = np.concatenate([at, _edge_quads(t, at, smooth).ravel(), strips.ravel(), polygons.vertices])
-    first = len(t.twin) + 4 * quads
-    in_polygon = np.where(polygons.place < 0, np.int32(-1), polygons.place + np.int32(first))
-    twin = _twins(t, smooth, in_polygon, len(corners))
-    _pair(twin, offsets, corners)
+    quads = (count - int(np.count_nonzero(curves.sharp))) // 2 + len(strips)
+    first = count + 4 * quads
+    # A polygon has at most three corners that are no face corners, on its sharp edges; what is not used is cut off.
+    begins = curves.polygons
+    corners = np.empty(first + count + 3 * int(np.count_nonzero(curves.sharp[begins])), np.int32)
+    corners[:count], corners[first - strips.size : first] = at, strips.ravel()
+    sizes, place = np.empty(len(begins), np.int32), np.full(count, -1, np.int32)
+    mesh = (t.face_offsets, t.face, t.twin, t.face_vertices, curves.sharp)
+    new = (at, numbers.origin, numbers.target, numbers.corner)
+    used = kernels.vertex_polygons(begins, *mesh, *new, sizes, corners[first:], place)
+    corners = corners[: first + used]
+    twin = np.full(len(corners), -1, np.int32)
+    kernels.edge_quads(t.following, t.twin, curves.sharp, at, place, first, corners, twin)
+    offsets = _offsets(t.face_offsets, quads, sizes)
+    if curves.sharp.any():
+        _pair(twin, offsets, corners)
     child = Topology.from_twins(offsets, corners, twin, numbers.vertex_count)
     if len(numbers.ends):
         # No smooth edge joins two vertices on curves.
@@ -61,9 +44,15 @@ def child_topology(curves: Curves, numbers: Numbers) -> tuple[Topology, int]:
     return child, t.face_count + quads
 
 
-def _edge_quads(t: Topology, at: Indices, smooth: Rows) -> Indices:
-    beyond = t.twin[smooth]
-    return np.column_stack([at[t.following[smooth]], at[smooth], at[t.following[beyond]], at[beyond]])
+def _offsets(faces: Indices, quads: int, sizes: Indices) -> Indices:
+    """Offsets of some faces, of so many quads, and of polygons of given sizes, one after the other."""
+    offsets = np.empty(len(faces) + quads + len(sizes), np.int32)
+    offsets[: len(faces)] = faces
+    first = len(faces) + quads
+    offsets[len(faces) : first] = faces[-1] + 4 * np.arange(1, quads + 1, dtype=np.int32)
+    np.cumsum(sizes, out=offsets[first:])
+    offsets[first:] += offsets[first - 1]
+    return offsets
 
 
 def _strip_quads(curves: Curves, numbers: Numbers) -> Indices:
@@ -71,23 +60,6 @@ def _strip_quads(curves: Curves, numbers: Numbers) -> Indices:
     h = np.flatnonzero(curves.sharp & ~curves.plain)
     following = curves.topology.following[h]
     return np.column_stack([at[following], at[h], numbers.origin[h], numbers.target[h]])
-
-
-def _twins(t: Topology, smooth: Rows, in_polygon: Indices, count: int) -> Indices:
-    """Twins (count,) of half-edges round the quads of smooth edges, -1 for others.
-
-    Two sides of a quad border on the faces, whose half-edges keep their numbers; the others on the polygons of
-    vertices, where `in_polygon` (h,) is the half-edge that leaves the new vertex of a face corner, -1 if there is none.
-    """
-    twin = np.full(count, -1, np.int32)
-    side = len(t.twin) + 4 * np.arange(len(smooth), dtype=np.int32)
-    here, there = smooth.astype(np.int32), t.twin[smooth]
-    for first, own, other in ((side, here, there), (side + np.int32(2), there, here)):
-        twin[first], twin[own] = own, first
-        beside = in_polygon[t.following[other]]
-        joined = beside >= 0
-        twin[first[joined] + 1], twin[beside[joined]] = beside[joined], first[joined] + 1
-    return twin
 
 
 def _pair(twin: Indices, offsets: Indices, corners: Indices) -> None:

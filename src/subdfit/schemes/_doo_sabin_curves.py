@@ -65,13 +65,20 @@ class Curves:
         return np.where(half_edges == offsets[face], offsets[face + 1], half_edges) - 1
 
     @cached_property
-    def sectors(self) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-        """The sector that each face corner is in: its first outgoing half-edge, and how many faces it has, (h,) int32.
+    def polygons(self) -> Rows:
+        """The sectors that refinement makes polygons of, each by its first outgoing half-edge, ascending.
 
-        It consists of the faces round a vertex between two sharp edges, counter-clockwise; of all, off the curves.
+        A sector consists of the faces round a vertex between two sharp edges, counter-clockwise, or of all of them.
         """
+        begins = self.sharp & ~self.plain
+        begins[self.topology.outgoing[self.sharp_count == 0]] = True
+        return np.flatnonzero(begins)
+
+    @property
+    def _sector_faces(self) -> NDArray[np.int32]:
+        """How many faces the sector has that each face corner is in, (h,)."""
         t = self.topology
-        first, size, _, _ = kernels.corner_sectors(
+        _, size, _, _ = kernels.corner_sectors(
             t.face_offsets,
             t.face_vertices,
             t.following,
@@ -82,7 +89,7 @@ class Curves:
             self.sharp_count,
             np.zeros(t.vertex_count, np.bool_),
         )
-        return first, size
+        return np.asarray(size)
 
     @cached_property
     def sides(self) -> Rows:
@@ -123,7 +130,7 @@ class Curves:
         _, curve = connected_components(joined, directed=False)
         spoilt, ends = np.zeros(t.vertex_count, np.bool_), np.zeros(t.vertex_count, np.bool_)
         ends[vertex[self._opposite]] = True
-        crowded = self.on_curve[vertex] & ~ends[vertex] & (self.sectors[1] != np.where(self.corner[vertex], 1, 2))
+        crowded = self.on_curve[vertex] & ~ends[vertex] & (self._sector_faces != np.where(self.corner[vertex], 1, 2))
         spoilt[curve[vertex[crowded | (self.sharp & ~self._fits[t.face])]]] = True
         return np.asarray(self.sharp & ~spoilt[curve[vertex]])
 

@@ -3,52 +3,71 @@
 import numpy as np
 
 from subdfit.compiled import kernel
+from subdfit.mesh._topology_kernels import before
 
 
 @kernel
-def vertex_polygons(face_vertices, twin, preceding, sharp, plain, sector, sector_size, at, origin, target, corner):  # type: ignore[no-untyped-def]
-    """Polygons of the new vertices round each vertex, or between two of its sharp edges unless these are plain.
+def vertex_polygons(  # type: ignore[no-untyped-def]
+    begins, face_offsets, face, twin, face_vertices, sharp, at, origin, target, corner, sizes, vertices, place
+):
+    """Make the polygons of the new vertices round each vertex, or between two of its sharp edges; return their corners.
 
-    Parameters are the mesh, `Curves` and `Numbers` arrays of the same names (`at` is `of_face_corner`).
-
-    Returns
-    -------
-    sizes : int32, corners of each polygon, in the order of the sectors' first half-edges.
-    vertices : int32, the new vertices round each, counter-clockwise.
-    place : int32 (h,), where among them the new vertex of each face corner is, -1 if in none.
+    Parameters
+    ----------
+    begins : (k,), the first half-edge of each sector that has one.
+    face_offsets, face, twin, face_vertices, sharp, origin, target, corner : the mesh, `Curves` and `Numbers`.
+    at : `Numbers.of_face_corner`.
+    sizes : (k,), is written: corners of each polygon.
+    vertices : the new vertices round each, counter-clockwise, likewise.
+    place : (h,), where among them the new vertex of each face corner is; comes as -1, which remains if in none.
     """
-    count = 0
-    for h in range(len(face_vertices)):
-        if sector[h] == h and not plain[h]:
-            count += 1
-    sizes = np.empty(count, np.int32)
-    vertices = np.empty(len(face_vertices) + 3 * count, np.int32)
-    place = np.full(len(face_vertices), -1, np.int32)
-    polygon = used = 0
-    for h in range(len(face_vertices)):
-        if sector[h] != h or plain[h]:
-            continue
-        begin = used
+    used = 0
+    for polygon in range(len(begins)):
+        h, begin = begins[polygon], used
         if sharp[h]:
             if corner[face_vertices[h]] >= 0:
                 vertices[used] = corner[face_vertices[h]]
                 used += 1
             vertices[used] = origin[h]
             used += 1
-        g, last = h, h
-        for _ in range(sector_size[h]):
+        g = h
+        while True:
             vertices[used] = at[g]
             place[g] = used
             used += 1
-            last = preceding[g]
+            last = before(g, face_offsets, face)
             g = twin[last]
+            if sharp[last] or g == h:
+                break
         # Where a crease ends inside the surface, the sector ends with the edge with which it began.
         if sharp[h] and twin[last] != h:
             vertices[used] = target[last]
             used += 1
         sizes[polygon] = used - begin
-        polygon += 1
-    return sizes, vertices[:used].copy(), place
+    return used
+
+
+@kernel
+def edge_quads(following, twin, sharp, at, place, first_polygon, corners, twins):  # type: ignore[no-untyped-def]
+    """Make the quads of smooth edges, which follow the faces, and pair their sides.
+
+    Two sides of a quad border on the faces, whose half-edges keep their numbers; the others on the polygons of
+    vertices, `place` in which is that of `vertex_polygons`, and which begin at half-edge `first_polygon`. `corners` and
+    `twins`, the refined mesh's, are written.
+    """
+    side = len(twin)
+    for h in range(len(twin)):
+        other = twin[h]
+        if other < h or sharp[h]:
+            continue
+        ahead, behind = following[h], following[other]
+        corners[side], corners[side + 1], corners[side + 2], corners[side + 3] = at[ahead], at[h], at[behind], at[other]
+        twins[side], twins[h] = h, side
+        twins[side + 2], twins[other] = other, side + 2
+        for own, beside in ((side + 1, place[behind]), (side + 3, place[ahead])):
+            if beside >= 0:
+                twins[own], twins[first_polygon + beside] = first_polygon + beside, own
+        side += 4
 
 
 @kernel

@@ -95,7 +95,8 @@ class Numbers:
     def of_face_corner(self) -> NDArray[np.int32]:
         """The new vertex at each face corner, (h,)."""
         c = self.curves
-        found = np.cumsum(c.inner, dtype=np.int32) - np.int32(1)
+        found = np.cumsum(c.inner, dtype=np.int32)
+        found -= 1
         beside = np.flatnonzero(~c.inner)
         before = c.before(beside)
         found[beside] = np.where(c.plain[beside], self.origin[beside], self.target[before])

@@ -16,9 +16,12 @@ def split(t: Topology, quads_from: int) -> Topology:
     centroid and the middle before.
     """
     n, size = t.vertex_count, np.diff(t.face_offsets)
+    quads = size >= quads_from
+    offsets = np.empty(int(np.where(quads, size, 4).sum()) + 1, np.int32)
+    corners, twin = np.empty(4 * len(t.twin), np.int32), np.full(4 * len(t.twin), -1, np.int32)
     mesh = (t.face_offsets, t.face_vertices, t.following, t.face, t.twin, t.edge)
-    offsets, corners, twin = kernels.split_faces(*mesh, n, t.edge_count, quads_from)
-    child = Topology.from_twins(offsets, corners, twin, n + t.edge_count + int(np.count_nonzero(size >= quads_from)))
+    kernels.split_faces(*mesh, n, t.edge_count, quads_from, offsets, corners, twin)
+    child = Topology.from_twins(offsets, corners, twin, n + t.edge_count + int(np.count_nonzero(quads)))
     # An inner edge's two halves are the first halves of its half-edges; those of the boundary are sharp already.
     sharp = np.flatnonzero((t.sharpness > 0)[t.edge])
     child.sharpness[child.edge[4 * sharp]] = later(t.sharpness[t.edge[sharp]])

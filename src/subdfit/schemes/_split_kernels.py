@@ -1,7 +1,5 @@
 """The split of triangles in four and of other faces in quads."""
 
-import numpy as np
-
 from subdfit.compiled import inlined_kernel, kernel
 
 
@@ -16,23 +14,16 @@ def last_side(h, face_offsets, face, least):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def split_faces(face_offsets, face_vertices, following, face, twin, edge, vertex_count, edge_count, least):  # type: ignore[no-untyped-def]
+def split_faces(  # type: ignore[no-untyped-def]
+    face_offsets, face_vertices, following, face, twin, edge, vertex_count, edge_count, least, offsets, corners, twins
+):
     """Cut every face as `subdfit.schemes._split.split` documents.
 
-    The new vertex of edge e is `vertex_count` + e; the centroids of faces with `least` corners or more follow.
-
-    Returns
-    -------
-    offsets, corners, twins : int32, the children's.
+    The new vertex of edge e is `vertex_count` + e; the centroids of faces with `least` corners or more follow. The
+    children's `offsets`, `corners` and `twins`, which come as -1, are written.
     """
     count = len(face_offsets) - 1
-    children = 0
-    for f in range(count):
-        size = face_offsets[f + 1] - face_offsets[f]
-        children += size if size >= least else 4
-    offsets = np.zeros(children + 1, np.int32)
-    corners = np.empty(4 * len(face_vertices), np.int32)
-    twins = np.full(4 * len(face_vertices), -1, np.int32)
+    offsets[0] = 0
     child, centroid = 0, vertex_count + edge_count
     for f in range(count):
         begin, end = face_offsets[f], face_offsets[f + 1]
@@ -59,4 +50,3 @@ def split_faces(face_offsets, face_vertices, following, face, twin, edge, vertex
                 beyond = last_side(following[twin[h]], face_offsets, face, least)
                 twins[4 * h], twins[beyond] = beyond, 4 * h
         centroid += quads
-    return offsets, corners, twins

@@ -18,24 +18,26 @@ def along(weights, v, sharpness):  # type: ignore[no-untyped-def]
 
 @kernel
 def refined_points(  # type: ignore[no-untyped-def]
-    face_offsets, face_vertices, following, twin, edge, sharpness, weights, has_centroid, sides, vertices_only, points
+    face_offsets,
+    face_vertices,
+    following,
+    twin,
+    edge,
+    sharpness,
+    weights,
+    has_centroid,
+    sides,
+    vertices_only,
+    points,
+    out,
 ):
     """Apply the rules of `subdfit.schemes._stencils.Stencils` to points (n, 3).
 
-    Returns
-    -------
-    ndarray
-        Vertices (n, 3); unless these are all, middles of edges too, and the centroids of the c faces that have one,
-        (n + e + c, 3).
+    `out`, which comes as zeros, gets the vertices (n, 3); unless these are all, middles of edges too, and the centroids
+    of the c faces that have one, (n + e + c, 3).
     """
     n, e, f = len(points), len(sharpness), len(face_offsets) - 1
     row = n + e
-    count = n
-    if not vertices_only:
-        count = row
-        for face in range(f):
-            count += has_centroid[face]
-    out = np.zeros((count, 3))
     for v in range(n):
         for d in range(3):
             out[v, d] = weights[v, 0] * points[v, d]
@@ -75,7 +77,6 @@ def refined_points(  # type: ignore[no-untyped-def]
             share = smooth * ends + (crease * 0.5 if twin[h] < h else 0.0)
             for d in range(3):
                 out[at, d] += share * (points[v, d] + points[w, d])
-    return out
 
 
 @inlined_kernel

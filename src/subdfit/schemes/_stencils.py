@@ -191,5 +191,9 @@ def _masked(
 ) -> Floats:
     given = np.ascontiguousarray(points, np.float64)
     mesh = (t.face_offsets, t.face_vertices, t.following, t.twin, t.edge, t.sharpness)
-    found: Floats = kernels.refined_points(*mesh, weights, has_centroid, sides, vertices_only, given)
-    return found
+    count = t.vertex_count
+    if not vertices_only:
+        count += t.edge_count + int(np.count_nonzero(has_centroid))
+    out = np.zeros((count, 3))
+    kernels.refined_points(*mesh, weights, has_centroid, sides, vertices_only, given, out)
+    return out
