@@ -4,8 +4,10 @@ import numpy as np
 
 from subdfit.compiled import inlined_kernel, inner_kernel
 
-KEPT = 10
-"""Coefficient sets kept while the cell does not change: the sub-patches of three levels, and one for all deeper."""
+OF_PATCH, PATCHES = 10, 4
+"""Coefficient sets kept of one patch, the sub-patches of three levels and one for all deeper; and of how many patches:
+those of a cell that is cut, which are numbered in sequence."""
+KEPT = OF_PATCH * PATCHES
 
 
 @inlined_kernel
@@ -49,7 +51,7 @@ def gather(patches, patch, block, out, to):  # type: ignore[no-untyped-def]
 @inlined_kernel
 def coefficients(patches, patch, block, cache, tags):  # type: ignore[no-untyped-def]
     """Return where in `cache` (48 SLOTS,) the polynomial's coefficients lie, gathered only if not there yet."""
-    slot = min(block, KEPT - 1)
+    slot = OF_PATCH * (patch % PATCHES) + min(block, OF_PATCH - 1)
     tag = np.int64(patch) << 16 | block
     if tags[slot] != tag:
         gather(patches, patch, block, cache, 48 * slot)

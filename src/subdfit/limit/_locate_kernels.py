@@ -1,6 +1,5 @@
 """The polynomial or strip under a parameter of a cell."""
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -99,12 +98,12 @@ def locate(patches, cell, u, v):  # type: ignore[no-untyped-def]
     if levels == 0:
         return patch, 0, patches.type_strips[kind, 0], x, y, xu, xv, yu, yv
     reach = max(x, y) if shape == QUAD else x + y
-    level = levels + 1
-    if reach > 0.0:
-        level = max(1, 1 - math.frexp(reach)[1])
+    # Most points are a level or two from the corner's far side: doubling is faster than to take the exponent.
+    level, finer = 1, 2.0
+    while reach < 0.5 and level <= levels:
+        reach, level, finer = 2 * reach, level + 1, 2 * finer
     if level > levels:
         return patch, 3 * levels, -1, 0.0, 0.0, xu, xv, yu, yv
-    finer = math.ldexp(1.0, level)
     x, y = x * finer, y * finer
     sub = 0
     if shape == QUAD:
