@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import subdfit
+from subdfit.api import memory
 from subdfit.errors import InputError
 
 POINTS = np.vstack([np.eye(3), -np.eye(3)]) * [3.0, 2.0, 1.0]
@@ -75,8 +76,10 @@ def test_subdividing_at_limit_positions(cage):
     np.testing.assert_array_equal(subdfit.subdivide(cage, 0).points, cage.points)
 
 
-@pytest.mark.parametrize("levels", [-1, 1.5, 40])
-def test_levels_of_subdivision_that_cannot_be(cage, levels):
+@pytest.mark.parametrize("levels", [-1, 1.5, 40, 7])
+def test_levels_of_subdivision_that_cannot_be(cage, levels, monkeypatch):
+    """The last would need more memory than the machine has."""
+    monkeypatch.setattr(memory, "machine_memory", lambda: 256 * 2**20)
     with pytest.raises(InputError, match="levels"):
         subdfit.subdivide(cage, levels)
 

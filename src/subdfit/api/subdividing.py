@@ -1,13 +1,15 @@
 """`subdfit.subdivide`: a control mesh refined."""
 
 from subdfit.api.cages import control_mesh_of
+from subdfit.api.memory import check_refinement
 from subdfit.api.sources import MeshSource
 from subdfit.api.targets import check_count
 from subdfit.errors import InputError
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.schemes import scheme_named
 
-MOST_FACES = 100_000_000
+MOST_CORNERS = 2**31 - 1
+"""Face corners are numbered by 32-bit integers; every step of every scheme makes four of each."""
 
 
 def subdivide(
@@ -36,8 +38,10 @@ def subdivide(
     control = control_mesh_of(mesh, scheme)
     rules = scheme_named(control.scheme or "loop")
     rules.validate(control.topology)
-    if control.topology.face_count * 4**levels > MOST_FACES:
-        raise InputError(f"{levels} levels would make more than {MOST_FACES:,} faces; ask for fewer")
+    corners = len(control.topology.face_vertices)
+    if levels >= 16 or corners * 4**levels > MOST_CORNERS:
+        raise InputError(f"{levels} levels would make more than {MOST_CORNERS:,} face corners; ask for fewer")
+    check_refinement(corners, levels)
     topology, points = control.topology, control.points
     for _ in range(levels):
         step = rules.refine(topology)
