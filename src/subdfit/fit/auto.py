@@ -19,6 +19,9 @@ from subdfit.fit.tangent import TangentSettings
 
 STEPS, GAIN = 3, 0.9
 """Most steps in a round that moves everything, which ends when one leaves more than this share of the energy."""
+FIRST_STEPS, FIRST_GAIN = 6, 0.95
+"""The same before the first polygons are cut: a cut that one more step would have saved costs more vertices than one of
+triangles."""
 ENOUGH = 8
 """Points for each triangle of a face that take part in the steps while the control mesh still changes; errors are those
 of all points."""
@@ -32,7 +35,7 @@ FEW = 0.01
 """When fewer faces than this share are too far off, triangles are split on all sides, no edge is flipped, and only what
 lies near moves."""
 LAST = 2
-"""So few polygons are cut on all sides as well: one cut may go the wrong way."""
+"""So few polygons are cut on all sides as well, a round after the first cut, which may have gone the wrong way."""
 REACH = 2
 """Rings of control vertices round the faults that move with them when faults are few."""
 ROBUST = 3.0
@@ -53,7 +56,7 @@ class Auto:
         weights = weights or TangentSettings(robust=robust)
         self._descent = Descent(weights, bound, weights.damping)
         self._strays = Strays(settings.tolerance.max)
-        self._begun = self._drawn = False
+        self._begun = self._cut = self._drawn = False
 
     def advance(self, state: FitState) -> FitState:
         """One round: the control mesh is adapted, then moved until that gains little; only there, if faults are few."""
@@ -64,7 +67,7 @@ class Auto:
             if focus is None and self.stray(state) <= 1 and within(state, self.settings.tolerance):
                 return state
         final = self._begun and state.surface.topology is topology
-        self._begun, self._drawn = True, focus is not None
+        self._cut, self._begun, self._drawn = self._begun, True, focus is not None
         return self._moved_everywhere(state, final) if focus is None else self._moved_near(state, focus)
 
     def _taken_back(self, state: FitState) -> FitState:
@@ -84,7 +87,9 @@ class Auto:
         some, rows = (state, np.arange(len(state.face))) if final else state.thinned(ENOUGH)
         cells = np.ones(state.surface.domain.face_count, np.bool_)
         free = self._free(np.ones(state.surface.topology.vertex_count, np.bool_), state)
-        part = Part(some, sparse_samples(state), sparse_curve_samples(state, cells), free, STEPS, GAIN)
+        first = not self._cut and not self._triangles(state)
+        until = (FIRST_STEPS, FIRST_GAIN) if first else (STEPS, GAIN)
+        part = Part(some, sparse_samples(state), sparse_curve_samples(state, cells), free, *until)
         return state.followed(self._descent.moved(part), rows)
 
     def _moved_near(self, state: FitState, focus: Flags) -> FitState:
@@ -121,7 +126,7 @@ class Auto:
         if few and self._drawn:
             cut = self._strays.to_cut(state, straying)
             faces = np.concatenate([faces, cut[~np.isin(cut, faces)]])
-        last = few and (self._triangles(state) or len(faces) <= LAST)
+        last = few and (self._triangles(state) or (self._drawn and len(faces) <= LAST))
         marks = all_sides(state, faces) if last else cutting_sides(state, faces)
         if tolerance.max is not None and not self.settings.fixed_boundary:
             marks |= curve_sides(state, CURVE_FACTOR * tolerance.max)

@@ -33,8 +33,8 @@ logger = logging.getLogger(__name__)
 
 METHODS: dict[str, Callable[[FitSettings], Fitter]] = {"auto": Auto, "geometric": Geometric, "lavoue": Lavoue}
 
-REVERSE_GROWTH = 1.3
-"""Factor of control vertices spent on the reverse side after the data's side is within tolerance."""
+REVERSE_GROWTH, REVERSE_ROOM = 1.3, 50
+"""Factor of control vertices spent on the reverse side after the data's side is within tolerance, or so many more."""
 
 
 class Progress(NamedTuple):
@@ -102,7 +102,7 @@ class _Run:
         if self.first_within is None:
             self.first_within = (len(self.history), count)
         iteration, vertices = self.first_within
-        return len(self.history) - iteration > patience or count > REVERSE_GROWTH * vertices
+        return len(self.history) - iteration > patience or count > max(REVERSE_GROWTH * vertices, vertices + REVERSE_ROOM)
 
     def excused(self, state: FitState) -> FitState:
         """The state with its outliers left out, where that is allowed."""
