@@ -102,7 +102,8 @@ class _Run:
         if self.first_within is None:
             self.first_within = (len(self.history), count)
         iteration, vertices = self.first_within
-        return len(self.history) - iteration > patience or count > max(REVERSE_GROWTH * vertices, vertices + REVERSE_ROOM)
+        most = max(REVERSE_GROWTH * vertices, vertices + REVERSE_ROOM)
+        return len(self.history) - iteration > patience or count > most
 
     def excused(self, state: FitState) -> FitState:
         """The state with its outliers left out, where that is allowed."""
