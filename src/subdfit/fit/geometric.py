@@ -25,6 +25,8 @@ INSERTION_PERIOD = 5
 """Control vertices are inserted once in five iterations (section 5)."""
 SETTLED = 1e-4
 """A footpoint that moved less than this share of the diagonal counts as settled."""
+BESIDE = 1e-9
+"""A point with less weight than this beside a curve pulls at the curve alone."""
 
 
 class Geometric:
@@ -62,11 +64,17 @@ class Geometric:
         pulls = influence(surface, state.face[inside], state.uv[inside])
         displacement = weighted_means(pulls, error[inside])
         if self.settings.boundary_step or self.settings.fixed_boundary:
-            self.curve_displacements(state, displacement)
+            self.curve_displacements(state, displacement, pulls, error[inside])
         return displacement
 
-    def curve_displacements(self, state: FitState, displacement: Floats) -> None:
-        """Our boundary step: vertices on curves move by the errors of curve points alone, by their weights along it."""
+    def curve_displacements(
+        self, state: FitState, displacement: Floats, surface_pulls: sp.csr_array, error: Floats
+    ) -> None:
+        """Our boundary step: vertices on curves move by the errors of curve points, by their weights along it.
+
+        Of the surface's points only those pull as well that pull at no other vertex, as where the surface ends short
+        of them: nothing else would reach them.
+        """
         shares = Places(state.surface).corner_shares
         for found, curves, rows in zip(
             (state.boundary, state.crease), state.curves, (state.data.boundary, state.data.crease), strict=True
@@ -89,7 +97,9 @@ class Geometric:
             along = (shares.T @ on_curve) > 0
             displacement[along] = 0.0
             if not (self.settings.fixed_boundary and found is state.boundary):
-                displacement[along] = weighted_means(pulls, state.data.points[rows] - found.position)[along]
+                alone = np.flatnonzero(surface_pulls @ ~along <= BESIDE)
+                errors = np.concatenate([state.data.points[rows] - found.position, error[alone]])
+                displacement[along] = weighted_means(sp.vstack([pulls, surface_pulls[alone]]), errors)[along]
 
     def recompute_footpoints(self, state: FitState, points: Floats) -> FitState:
         """Newton's method from the footpoints before, by the tangent-plane linearisation; settled ones stay frozen.
