@@ -22,8 +22,9 @@ def test_the_share_of_a_ball_inside_out_is_one(turned: bool) -> None:
     assert mixed_share(FitState.start(data, LimitSurface(mesh, "loop"))) == pytest.approx(float(turned))
 
 
-def test_a_casting_of_thin_plates_is_certified(meshes) -> None:
+@pytest.mark.parametrize("scheme", ["loop", "doo-sabin"])
+def test_a_casting_of_thin_plates_is_certified(meshes, scheme: str) -> None:
     """Its plates are a fiftieth of its diagonal thick, and a start of 5 % of its points turns some inside out."""
-    result = subdfit.fit(meshes / "casting.ply", max_error="0.3%")
+    result = subdfit.fit(meshes / "casting.ply", max_error="0.3%", scheme=scheme)
     assert result.certified
     assert result.history[0].control_vertices > 0.05 * 5096
