@@ -10,8 +10,8 @@ SEGMENTS = 2
 """Segments a cell side into which the surface is cut to see where it faces."""
 DOUBTFUL, MIXED = 0.0005, 0.001
 """Shares of the surface that face the wrong way: from the first on one round of a fit shows whether they come right,
-and if more than the second is left, the control mesh is too coarse to part the sheets. Of nine models, sound starts left
-.0005 at most, and those whose fits could not be certified .002 and more."""
+and if more than the second is left, the control mesh is too coarse to part the sheets. Of nine models, sound starts
+left .0005 at most, and those whose fits could not be certified .002 and more."""
 
 
 def mixed_share(state: FitState) -> float:
