@@ -48,7 +48,7 @@ def control_mesh_of(given: ControlMesh | MeshSource, scheme: str | None = None) 
 
 def _built(data: MeshData, name: str) -> ControlMesh:
     if data.face_count == 0:
-        raise InputError(f"{name}: has points only; a control mesh needs faces")
+        raise InputError(f"{name}: has points only, a control mesh needs faces; join them first (reconstruct)")
     check(data, name)
     try:
         mesh = ControlMesh.from_data(data)

@@ -124,15 +124,20 @@ def decimate(
     size = float(np.linalg.norm(positions.max(axis=0) - positions.min(axis=0))) or 1.0
     mesh = _prepare(topology, (positions - middle) / size, fixed)
     left = _collapse_in_stages(mesh, target, max_valence, subset)
-    message = None
-    if left > target:
-        message = (
-            f"stopped at {left} vertices, not {target}: fewer would fold faces or change the topology, "
-            "a boundary loop, a crease or a corner"
-        )
-        logger.info(message)
-    found = _harvest(mesh, fixed, middle, size, left <= target, message)
+    found = _harvest(mesh, fixed, middle, size, _shortfall(left, target))
     return _at_their_rows(found, positions) if subset else found
+
+
+def _shortfall(left: int, target: int) -> str | None:
+    """Why the target was not reached; None where it was."""
+    if left <= target:
+        return None
+    message = (
+        f"stopped at {left} vertices, not {target}: fewer would fold faces or change the topology, "
+        "a boundary loop, a crease or a corner"
+    )
+    logger.info(message)
+    return message
 
 
 def _check(points: NDArray[np.float64], target: int, max_valence: int) -> None:
@@ -224,7 +229,6 @@ def _harvest(
     fixed: NDArray[np.int64],
     middle: NDArray[np.float64],
     size: float,
-    reached: bool,
     message: str | None,
 ) -> Decimated:
     """Number the survivors afresh and go back to the caller's unit and place."""
@@ -240,6 +244,6 @@ def _harvest(
         triangles=np.ascontiguousarray(row[triangles], np.int64),
         crease_edges=np.sort(ends, axis=1).astype(np.int64),
         corners=row[fixed].astype(np.int64),
-        reached=reached,
+        reached=message is None,
         message=message,
     )
