@@ -7,7 +7,8 @@ a curve (two edges of one mark), 2 corner. An edge has a *mark*: 0 smooth, 1 cre
 import numpy as np
 
 from subdfit.compiled import inner_kernel, kernel
-from subdfit.initial._quadric_kernels import following, preceding, quadric_error, quadric_minimum
+from subdfit.initial._quadric_kernels import quadric_error, quadric_minimum
+from subdfit.mesh._ring_kernels import following, preceding
 
 SMOOTH, CURVE, CORNER = 0, 1, 2
 IDLE, QUEUED, STALE, REFUSED = 0, 1, 2, 3

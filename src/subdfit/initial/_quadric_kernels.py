@@ -8,24 +8,13 @@ Surface simplification using quadric error metrics, 1997, section 5). Half-edge 
 import numpy as np
 
 from subdfit.compiled import inner_kernel, kernel
+from subdfit.mesh._ring_kernels import following, preceding
 
 CURVE_WEIGHT = 10.0
 """Weight of the planes that stand on creases and boundaries, against the faces' own planes."""
 
 POINT_WEIGHT = 1e-6
 """Weight of the distance to the points themselves: makes every quadric invertible, spreads points in flats."""
-
-
-@kernel
-def following(h):  # type: ignore[no-untyped-def]
-    """Next half-edge of the same triangle."""
-    return h - 2 if h % 3 == 2 else h + 1
-
-
-@kernel
-def preceding(h):  # type: ignore[no-untyped-def]
-    """Half-edge before in the same triangle."""
-    return h + 2 if h % 3 == 0 else h - 1
 
 
 @kernel

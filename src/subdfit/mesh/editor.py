@@ -9,7 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from subdfit.errors import InputError
-from subdfit.mesh import _editor_kernels as kernels
+from subdfit.mesh._carry_kernels import follow_division, follow_flips, list_points
+from subdfit.mesh._division_kernels import complete_marks, divide_faces, join_sides, place_middles
+from subdfit.mesh._flip_kernels import flip_pairs, flip_sweeps
+from subdfit.mesh._ring_kernels import rings, torn_vertex
 from subdfit.mesh.data import SHARP_FOR_EVER
 from subdfit.parallel import map_chunks
 
@@ -109,7 +112,7 @@ class MeshEditor:
         self._touched = np.zeros(n, np.bool_)
         self._cos_turn = float(np.cos(np.radians(max_turn)))
         self._refresh_rings()
-        torn = kernels.torn_vertex(self._origin, self._twin, self._out, self._degree, n)
+        torn = torn_vertex(self._origin, self._twin, self._out, self._degree, n)
         if torn >= 0:
             raise InputError(f"vertex {torn} joins separate fans of triangles: give each fan its own vertex")
         self._set_creases(_pairs(crease_edges), crease_sharpness)
@@ -152,7 +155,7 @@ class MeshEditor:
         """
         chosen = _mask(mask, (self._faces,), "faces to split")
         marked = self._both_sides(np.repeat(chosen, 3))
-        kernels.complete_marks(self._twin, marked, self._faces)
+        complete_marks(self._twin, marked, self._faces)
         return self._split(marked)
 
     def split_edges(self, edges: ArrayLike) -> Split:
@@ -188,13 +191,11 @@ class MeshEditor:
         self._reserve(vertices, faces)
 
         middle = np.full(3 * m, -1, np.int32)
-        kernels.place_middles(self._origin, self._twin, marked, self._points, n, middle, self._parents)
+        place_middles(self._origin, self._twin, marked, self._points, n, middle, self._parents)
         pattern = np.zeros(m, np.uint8)
         child, first, second = np.empty(m, np.int32), np.empty(3 * m, np.int32), np.empty(3 * m, np.int32)
-        kernels.divide_faces(
-            self._origin, self._twin, self._sharp, self._points, marked, middle, pattern, child, first, second
-        )
-        kernels.join_sides(self._twin, self._sharp, old_twin, old_sharp, marked, first, second)
+        divide_faces(self._origin, self._twin, self._sharp, self._points, marked, middle, pattern, child, first, second)
+        join_sides(self._twin, self._sharp, old_twin, old_sharp, marked, first, second)
         self._vertices, self._faces = vertices, faces
         self._corner[n:vertices] = 0.0
         self._given_valence[n:vertices] = 0
@@ -202,7 +203,7 @@ class MeshEditor:
         self._refresh_rings()
 
         def follow(start: int, stop: int) -> None:
-            kernels.follow_division(self._face, self._uv, pattern, child, start, stop)
+            follow_division(self._face, self._uv, pattern, child, start, stop)
 
         map_chunks(follow, len(self._face), CHUNK)
         return Split(n, self._parents[n:vertices].copy(), halved, affected)
@@ -221,7 +222,7 @@ class MeshEditor:
         edges : (k, 2) int rows of points.
         """
         pairs = _rows(_pairs(edges), self._vertices, "an edge to flip names vertex")
-        log = kernels.flip_pairs(pairs, self._cos_turn, *self._flip_state())
+        log = flip_pairs(pairs, self._cos_turn, *self._flip_state())
         self._follow_flips(log)
         return np.asarray(log[:, 0] >= 0)
 
@@ -261,9 +262,7 @@ class MeshEditor:
         n = self._vertices
         where = np.ones(n, np.bool_) if region is None else _mask(region, (n,), "vertices of the region")
         optimal, last = self._optimal_valence(), 3 * self._faces
-        log = kernels.flip_sweeps(
-            last, optimal, where, angles, max_rise, self._cos_turn, max_sweeps, *self._flip_state()
-        )
+        log = flip_sweeps(last, optimal, where, angles, max_rise, self._cos_turn, max_sweeps, *self._flip_state())
         self._follow_flips(log)
         return len(log)
 
@@ -275,8 +274,8 @@ class MeshEditor:
         if len(self._face) == 0 or len(log) == 0:
             return
         head, link = np.empty(self._faces, np.int32), np.empty(len(self._face), np.int32)
-        kernels.list_points(self._face, head, link)
-        kernels.follow_flips(self._face, self._uv, self._changed, log, head, link)
+        list_points(self._face, head, link)
+        follow_flips(self._face, self._uv, self._changed, log, head, link)
 
     def _optimal_valence(self) -> NDArray[np.int32]:
         n = self._vertices
@@ -347,7 +346,7 @@ class MeshEditor:
             setattr(self, name, _grown(getattr(self, name), 3 * faces))
 
     def _refresh_rings(self) -> None:
-        kernels.rings(self._origin, self._twin, 3 * self._faces, self._out, self._degree)
+        rings(self._origin, self._twin, 3 * self._faces, self._out, self._degree)
 
     def _sides(self, pairs: NDArray[np.int64], what: str) -> NDArray[np.int64]:
         """One half-edge of each edge that `pairs` names."""

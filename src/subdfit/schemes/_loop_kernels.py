@@ -3,18 +3,7 @@
 import numpy as np
 
 from subdfit.compiled import inlined_kernel, kernel
-
-
-@inlined_kernel
-def before(h):  # type: ignore[no-untyped-def]
-    """Half-edge before `h` in its triangle."""
-    return h + 2 if h % 3 == 0 else h - 1
-
-
-@inlined_kernel
-def after(h):  # type: ignore[no-untyped-def]
-    """Half-edge after `h` in its triangle."""
-    return h - 2 if h % 3 == 2 else h + 1
+from subdfit.mesh._ring_kernels import following, preceding
 
 
 @inlined_kernel
@@ -23,8 +12,8 @@ def mirror_point(h, offset, face_vertices, mirrors, mirror_corners, used):  # ty
     if mirrors[h] < 0:
         mirrors[h] = used[0]
         mirror_corners[used[0], 0] = face_vertices[h]
-        mirror_corners[used[0], 1] = face_vertices[after(h)]
-        mirror_corners[used[0], 2] = face_vertices[before(h)]
+        mirror_corners[used[0], 1] = face_vertices[following(h)]
+        mirror_corners[used[0], 2] = face_vertices[preceding(h)]
         used[0] += 1
     return offset + mirrors[h]
 
@@ -41,8 +30,8 @@ def regular_ring(h, out, sizes, at, face_vertices, twin, first, faces, position,
     last = h
     for i in range(faces[h]):
         g = twin[last] if i else first[h]
-        out[at + (i + turn) % 6] = vertices + face_vertices[after(g)]
-        last = before(g)
+        out[at + (i + turn) % 6] = vertices + face_vertices[following(g)]
+        last = preceding(g)
     if faces[h] == 3:
         out[at + (3 + turn) % 6] = vertices + face_vertices[last]
         out[at + (4 + turn) % 6] = mirror_point(last, offset, face_vertices, mirrors, mirror_corners, used)
@@ -85,24 +74,24 @@ def patch_points(  # type: ignore[no-untyped-def]
         else:
             g = h if smooth else first[h]
             for i in range(faces[h]):
-                out[at] = sizes[0] + face_vertices[after(g)]
+                out[at] = sizes[0] + face_vertices[following(g)]
                 at += 1
-                last = before(g)
+                last = preceding(g)
                 if i + 1 < faces[h]:
                     g = twin[last]
             if sharp_count[face_vertices[h]] > 1:
-                out[at] = sizes[0] + face_vertices[before(g)]
+                out[at] = sizes[0] + face_vertices[preceding(g)]
                 at += 1
         # Round a from b: V, then V's other side, a2, a1, o.
         regular_ring(
-            after(h), ring, sizes, 0, face_vertices, twin, first, faces, position, mirrors, mirror_corners, used
+            following(h), ring, sizes, 0, face_vertices, twin, first, faces, position, mirrors, mirror_corners, used
         )
         out[at] = ring[5]
         out[at + 1] = ring[4]
         out[at + 2] = ring[3]
         # Round b from V: a, o, b1, b2, V's other side.
         regular_ring(
-            before(h), ring, sizes, 0, face_vertices, twin, first, faces, position, mirrors, mirror_corners, used
+            preceding(h), ring, sizes, 0, face_vertices, twin, first, faces, position, mirrors, mirror_corners, used
         )
         out[at + 3] = ring[3]
         out[at + 4] = ring[4]
