@@ -23,8 +23,9 @@ help:
 demo: $(VENV)/subdfit.installed
 	$(BIN)/python -m subdfit demo
 
+# A file's tests stay together: they share what its fixtures made.
 test: $(VENV)/test.installed
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile
 
 test-external: $(VENV)/test.installed $(BLENDER)/blender.installed
 	SUBDFIT_BLENDER=$(abspath $(subst $(VENV),$(BLENDER),$(BIN)))/python $(BIN)/python -m pytest tests/external
