@@ -11,9 +11,17 @@ from numpy.typing import ArrayLike, NDArray
 from subdfit.errors import InputError
 from subdfit.mesh._carry_kernels import follow_division, follow_flips, list_points
 from subdfit.mesh._division_kernels import complete_marks, divide_faces, join_sides, place_middles
+from subdfit.mesh._editor_input import (
+    checked_edges,
+    checked_mask,
+    checked_rows,
+    checked_sharpness,
+    checked_triangles,
+    first_rows,
+    paired_half_edges,
+)
 from subdfit.mesh._flip_kernels import flip_pairs, flip_sweeps
 from subdfit.mesh._ring_kernels import rings, torn_vertex
-from subdfit.mesh.data import SHARP_FOR_EVER
 from subdfit.parallel import map_chunks
 
 REGULAR = 6
@@ -99,11 +107,11 @@ class MeshEditor:
         max_turn: float = 60.0,
     ) -> None:
         self._points = np.array(points, np.float64, order="C")
-        corner_rows = _checked_triangles(self._points, np.asarray(triangles))
+        corner_rows = checked_triangles(self._points, np.asarray(triangles))
         n, m = len(self._points), len(corner_rows)
         self._vertices, self._faces = n, m
         self._origin = corner_rows.astype(np.int32).ravel()
-        self._twin = _twins(corner_rows, n)
+        self._twin = paired_half_edges(corner_rows, n)
         self._sharp = np.zeros(3 * m)
         self._corner = np.zeros(n)
         self._out = np.empty(n, np.int32)
@@ -115,7 +123,7 @@ class MeshEditor:
         torn = torn_vertex(self._origin, self._twin, self._out, self._degree, n)
         if torn >= 0:
             raise InputError(f"vertex {torn} joins separate fans of triangles: give each fan its own vertex")
-        self._set_creases(_pairs(crease_edges), crease_sharpness)
+        self._set_creases(checked_edges(crease_edges), crease_sharpness)
         self._set_corners(corners, corner_sharpness)
         self._given_valence = self._degree.copy()
         self.carry(np.empty(0, np.int32), np.empty((0, 2)))
@@ -153,7 +161,7 @@ class MeshEditor:
         ----------
         mask : (m,) bool, the faces to split.
         """
-        chosen = _mask(mask, (self._faces,), "faces to split")
+        chosen = checked_mask(mask, (self._faces,), "faces to split")
         marked = self._both_sides(np.repeat(chosen, 3))
         complete_marks(self._twin, marked, self._faces)
         return self._split(marked)
@@ -169,10 +177,10 @@ class MeshEditor:
         """
         chosen = np.asarray(edges)
         if chosen.dtype == np.bool_:
-            marked = _mask(chosen, (self._faces, 3), "sides to split").ravel()
+            marked = checked_mask(chosen, (self._faces, 3), "sides to split").ravel()
         else:
             marked = np.zeros(3 * self._faces, np.bool_)
-            marked[self._sides(_pairs(chosen), "edge to split")] = True
+            marked[self._sides(checked_edges(chosen), "edge to split")] = True
         return self._split(self._both_sides(marked))
 
     def _both_sides(self, marked: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -221,7 +229,7 @@ class MeshEditor:
         ----------
         edges : (k, 2) int rows of points.
         """
-        pairs = _rows(_pairs(edges), self._vertices, "an edge to flip names vertex")
+        pairs = checked_rows(checked_edges(edges), self._vertices, "an edge to flip names vertex")
         log = flip_pairs(pairs, self._cos_turn, *self._flip_state())
         self._follow_flips(log)
         return np.asarray(log[:, 0] >= 0)
@@ -260,7 +268,7 @@ class MeshEditor:
 
     def _sweep(self, region: ArrayLike | None, *, angles: bool, max_rise: int, max_sweeps: int) -> int:
         n = self._vertices
-        where = np.ones(n, np.bool_) if region is None else _mask(region, (n,), "vertices of the region")
+        where = np.ones(n, np.bool_) if region is None else checked_mask(region, (n,), "vertices of the region")
         optimal, last = self._optimal_valence(), 3 * self._faces
         log = flip_sweeps(last, optimal, where, angles, max_rise, self._cos_turn, max_sweeps, *self._flip_state())
         self._follow_flips(log)
@@ -299,7 +307,7 @@ class MeshEditor:
         faces, parameters = np.array(face, np.int32), np.array(uv, np.float64, order="C")
         if faces.ndim != 1 or parameters.shape != (len(faces), 2):
             raise InputError(f"{faces.shape} faces carry {parameters.shape} parameters: give (k,) and (k, 2)")
-        _rows(faces, self._faces, "a carried point names face")
+        checked_rows(faces, self._faces, "a carried point names face")
         self._face, self._uv = faces, parameters
         self._changed = np.zeros(len(faces), np.bool_)
 
@@ -352,8 +360,8 @@ class MeshEditor:
         """One half-edge of each edge that `pairs` names."""
         n, rows = self._vertices, self.triangles.astype(np.int64)
         keys = (rows * n + np.roll(rows, -1, axis=1)).ravel()
-        a, b = _rows(pairs, n, f"a {what} names vertex").T
-        there, back = _find(keys, a * n + b), _find(keys, b * n + a)
+        a, b = checked_rows(pairs, n, f"a {what} names vertex").T
+        there, back = first_rows(keys, a * n + b), first_rows(keys, b * n + a)
         found = np.where(there >= 0, there, back)
         if (found < 0).any():
             k = found.argmin()
@@ -362,86 +370,15 @@ class MeshEditor:
 
     def _set_creases(self, pairs: NDArray[np.int64], sharpness: ArrayLike | None) -> None:
         sides = self._sides(pairs, "crease")
-        values = _sharpness(sharpness, len(pairs), "crease")
+        values = checked_sharpness(sharpness, len(pairs), "crease")
         self._sharp[sides] = values
         inner = self._twin[sides] >= 0
         self._sharp[self._twin[sides[inner]]] = values[inner]
 
     def _set_corners(self, corners: ArrayLike | None, sharpness: ArrayLike | None) -> None:
         rows = np.asarray([] if corners is None else corners).astype(np.int64).reshape(-1)
-        _rows(rows, self._vertices, "a corner names vertex")
-        self._corner[rows] = _sharpness(sharpness, len(rows), "corner")
-
-
-def _checked_triangles(points: NDArray[np.float64], triangles: NDArray[Any]) -> NDArray[np.int64]:
-    if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
-        raise InputError(f"the points are {points.shape} or not all finite: give (n, 3) finite numbers")
-    if triangles.ndim != 2 or triangles.shape[1] != 3 or not np.issubdtype(triangles.dtype, np.integer):
-        raise InputError(f"the triangles have shape {triangles.shape}: give (m, 3) integers")
-    if len(triangles) == 0:
-        raise InputError("the mesh has no triangles: give one at least")
-    rows = _rows(triangles.astype(np.int64), len(points), "a triangle names vertex")
-    repeated = (rows == np.roll(rows, -1, axis=1)).any(axis=1)
-    if repeated.any():
-        raise InputError(f"triangle {repeated.argmax()} repeats a vertex: remove it")
-    return rows
-
-
-def _twins(triangles: NDArray[np.int64], vertices: int) -> NDArray[np.int32]:
-    """Opposite half-edge of each, -1 on the boundary."""
-    a, b = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
-    keys = a * vertices + b
-    again = _find(keys, keys) != np.arange(len(keys))
-    if again.any():
-        h = again.argmax()
-        raise InputError(f"edge ({a[h]}, {b[h]}) runs the same way in two triangles: orient them alike")
-    twin = _find(keys, b * vertices + a)
-    apex = np.roll(triangles, 1, axis=1).ravel()
-    same = (twin >= 0) & (apex == apex[twin])
-    if same.any():
-        h = int(same.argmax())
-        raise InputError(f"triangles {h // 3} and {twin[h] // 3} have the same corners: remove one")
-    return twin.astype(np.int32)
-
-
-def _find(keys: NDArray[np.int64], wanted: NDArray[np.int64]) -> NDArray[np.int64]:
-    """First row of `keys` that holds each wanted key, -1 where none does."""
-    order = np.argsort(keys, kind="stable")
-    at = order[np.minimum(np.searchsorted(keys, wanted, sorter=order), len(keys) - 1)]
-    return np.where(keys[at] == wanted, at, -1)
-
-
-def _rows(rows: NDArray[Any], count: int, what: str) -> NDArray[Any]:
-    """The rows, checked to lie in ``range(count)``."""
-    outside = rows[(rows < 0) | (rows >= count)]
-    if len(outside):
-        raise InputError(f"{what} {outside[0]}, of {count}: give rows from 0 to {count - 1}")
-    return rows
-
-
-def _mask(mask: ArrayLike, shape: tuple[int, ...], what: str) -> NDArray[np.bool_]:
-    chosen = np.ascontiguousarray(mask)
-    if chosen.dtype != np.bool_ or chosen.shape != shape:
-        raise InputError(f"the mask of {what} is {chosen.dtype} {chosen.shape}: give bool {shape}")
-    return chosen
-
-
-def _pairs(edges: ArrayLike | None) -> NDArray[np.int64]:
-    pairs = np.empty((0, 2), np.int64) if edges is None else np.asarray(edges)
-    if len(pairs) == 0:
-        return np.empty((0, 2), np.int64)
-    if pairs.ndim != 2 or pairs.shape[1] != 2 or not np.issubdtype(pairs.dtype, np.integer):
-        raise InputError(f"the edges have shape {pairs.shape}: give (k, 2) integers, rows of points")
-    return np.ascontiguousarray(pairs, np.int64)
-
-
-def _sharpness(sharpness: ArrayLike | None, count: int, what: str) -> NDArray[np.float64]:
-    if sharpness is None:
-        return np.full(count, SHARP_FOR_EVER)
-    values = np.asarray(sharpness, np.float64)
-    if values.shape != (count,) or not (values > 0).all():
-        raise InputError(f"{what} sharpness has shape {values.shape}: give {count} numbers above 0")
-    return values
+        checked_rows(rows, self._vertices, "a corner names vertex")
+        self._corner[rows] = checked_sharpness(sharpness, len(rows), "corner")
 
 
 def _grown(array: NDArray[Any], size: int) -> NDArray[Any]:
