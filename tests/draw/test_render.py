@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from pixels import covered, painted, reddish, sphere
 
+from shapes.parts import can
 from subdfit.draw.camera import camera_for
 from subdfit.draw.depth import DepthPicture
 from subdfit.draw.shading import is_closed, signed_volume, smooth_normals
@@ -118,6 +119,17 @@ def test_normals_are_smooth_on_a_sphere_and_sharp_on_a_cube():
     sides = np.vstack([sides, [[0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]])
     own = np.cross(corners[sides[:, 1]] - corners[sides[:, 0]], corners[sides[:, 2]] - corners[sides[:, 0]])
     np.testing.assert_allclose(smooth_normals(corners, sides), own, atol=1e-6)
+
+
+def test_rims_have_the_normals_of_both_sides():
+    """A can, whose lids and wall meet in the same vertices; its wall is a polygon of 7.5 degrees a side."""
+    points, triangles = can()
+    found = smooth_normals(points, triangles)
+    middle = points[triangles].mean(axis=1)
+    lid = np.ptp(points[triangles][:, :, 2], axis=1) == 0
+    wall = np.where(lid[:, None], [0.0, 0.0, 1.0] * np.sign(middle), middle * [1.0, 1.0, 0.0])
+    wall /= np.linalg.norm(wall, axis=1, keepdims=True)
+    assert np.einsum("ij,ij->i", found, wall).min() > np.cos(np.radians(4.0))
 
 
 def test_the_depth_picture_knows_what_is_hidden_and_what_is_deep():

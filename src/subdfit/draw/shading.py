@@ -2,6 +2,8 @@
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 KEY = np.array([-0.46, 0.62, 0.64], np.float32)
 FILL = np.array([0.80, 0.05, 0.60], np.float32)
@@ -9,7 +11,9 @@ RIM = np.array([0.35, 0.75, -0.56], np.float32)
 """Directions towards the lamps in the camera's frame: right, up, to the viewer."""
 
 _SHARP = np.cos(np.radians(35.0))
-"""A face turned further than this from a vertex normal has a sharp edge there."""
+"""Edges across which the surface turns further than this are sharp."""
+_BENT = np.cos(np.radians(17.5))
+"""At a vertex of a sharp edge some face is turned further than this from the mean of all."""
 
 
 def is_closed(triangles: NDArray[np.integer]) -> bool:
@@ -28,24 +32,45 @@ def signed_volume(vertices: NDArray[np.floating], triangles: NDArray[np.integer]
 
 
 def smooth_normals(vertices: NDArray[np.floating], triangles: NDArray[np.integer]) -> NDArray[np.float32]:
-    """Return (m, 3) unit normals, one a face: the mean over its corners of the vertex normal.
+    """Return (m, 3) unit normals, one a face: the mean over its corners of the normal of the surface there.
 
-    A corner on a sharp edge, where the vertex normal belongs to neither side, counts with the face's own normal.
+    At a vertex on a sharp edge each side of the edge has a normal of its own.
     """
     a, b, c = (vertices[triangles[:, corner]] for corner in range(3))
-    areas = np.cross(b - a, c - a)
-    at_vertices = np.empty((len(vertices), 3), np.float32)
+    areas = np.cross(b - a, c - a).astype(np.float32)
+    own = unit(areas)
+    at_corners = _summed(areas, triangles, len(vertices))
+    bent = np.zeros(len(vertices), np.bool_)
+    bent[triangles[np.einsum("fci,fi->fc", at_corners, own) < _BENT]] = True
+    near = np.flatnonzero(bent[triangles].any(axis=1))
+    if len(near):
+        fans = _fans(triangles[near], own[near])
+        split = _summed(areas[near], fans, int(fans.max()) + 1)
+        at_corners[near] = np.where(bent[triangles[near]][:, :, None], split, at_corners[near])
+    return unit(np.asarray(at_corners.sum(axis=1), np.float32))
+
+
+def _summed(areas: NDArray[np.float32], places: NDArray[np.integer], count: int) -> NDArray[np.float32]:
+    """Return (m, 3, 3) unit normals at corners: of the sum of the areas of all triangles with a corner in its place."""
+    sums = np.empty((count, 3), np.float32)
     for axis in range(3):
-        weights = np.repeat(areas[:, axis], 3)
-        at_vertices[:, axis] = np.bincount(triangles.ravel(), weights, minlength=len(vertices))
-    vertex_normals = unit(at_vertices)
-    own = unit(areas.astype(np.float32))
-    total = np.zeros_like(own)
-    for corner in range(3):
-        normal = vertex_normals[triangles[:, corner]]
-        sharp = np.einsum("ij,ij->i", normal, own) < _SHARP
-        total += np.where(sharp[:, None], own, normal)
-    return unit(total)
+        sums[:, axis] = np.bincount(places.ravel(), np.repeat(areas[:, axis], 3), minlength=count)
+    return np.asarray(unit(sums)[places])
+
+
+def _fans(triangles: NDArray[np.integer], normals: NDArray[np.float32]) -> NDArray[np.int64]:
+    """Number (m, 3) the fans of corners that meet at a vertex and are joined across edges that are not sharp."""
+    tail, head = triangles.ravel().astype(np.int64), np.roll(triangles, -1, axis=1).ravel().astype(np.int64)
+    count = int(tail.max()) + 1
+    key, opposite = tail * count + head, head * count + tail
+    order = np.argsort(key, kind="stable")
+    twin = order[np.minimum(np.searchsorted(key[order], opposite), len(order) - 1)]
+    flat = np.einsum("ij,ij->i", normals[np.arange(len(key)) // 3], normals[twin // 3]) > _SHARP
+    side = np.flatnonzero((key[twin] == opposite) & flat)
+    # The corner at an edge's tail is beside the corner at its twin's head.
+    beside = 3 * (twin[side] // 3) + (twin[side] + 1) % 3
+    links = coo_array((np.ones(len(side), np.int8), (side, beside)), shape=(len(key),) * 2)
+    return np.asarray(connected_components(links, directed=False)[1].reshape(-1, 3), np.int64)
 
 
 def unit(vectors: NDArray[np.float32]) -> NDArray[np.float32]:

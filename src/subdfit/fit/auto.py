@@ -9,7 +9,7 @@ from subdfit.fit.adapt import refined
 from subdfit.fit.changes import ring
 from subdfit.fit.descent import Descent, Part
 from subdfit.fit.faults import Faults, all_sides, curve_sides, cutting_sides
-from subdfit.fit.reverse import sparse_curve_samples, sparse_samples
+from subdfit.fit.reverse import Samples, sparse_curve_samples, sparse_samples
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.spots import spots_moved
 from subdfit.fit.state import Errors, FitState
@@ -89,8 +89,12 @@ class Auto:
         free = self._free(np.ones(state.surface.topology.vertex_count, np.bool_), state)
         first = not self._cut and not self._triangles(state)
         until = (FIRST_STEPS, FIRST_GAIN) if first else (STEPS, GAIN)
-        part = Part(some, sparse_samples(state), sparse_curve_samples(state, cells), free, *until)
+        part = Part(some, self._samples(state), sparse_curve_samples(state, cells), free, *until)
         return state.followed(self._descent.moved(part), rows)
+
+    def _samples(self, state: FitState) -> Samples:
+        """What is drawn to the target between the points when everything moves."""
+        return sparse_samples(state)
 
     def _moved_near(self, state: FitState, focus: Flags) -> FitState:
         """Move the control vertices near some, one spot after the other, by all points and samples there."""

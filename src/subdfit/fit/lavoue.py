@@ -14,6 +14,7 @@ from subdfit.errors import InputError
 from subdfit.fit.auto import Auto
 from subdfit.fit.faults import Faults
 from subdfit.fit.lavoue_whole import cut_part, whole_start
+from subdfit.fit.reverse import Samples, reverse_badness, strays
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import badness
@@ -30,6 +31,8 @@ ROUNDS = 5
 """Rounds of optimisation, at most, before the control mesh is enriched: m0 in the paper's section 6."""
 GAIN = 0.95
 """A round that leaves more than this share of the error is the last before that."""
+NEAR = 1.5
+"""How many times what is asked the error is at most when the control mesh is enriched in every round."""
 SIGNIFICANT = 0.5
 """Share of the largest error from which a face belongs to an error field (section 5.2)."""
 DAMPING = 1e-2
@@ -48,6 +51,15 @@ class Lavoue(Auto):
         self._descent.damping = max(self._descent.damping, DAMPING)
         return super().advance(state)
 
+    def stray(self, state: FitState) -> float:
+        """How far the surface strays: samples of it at most, or on average where no largest error is asked."""
+        tolerance = self.settings.tolerance
+        return reverse_badness(state, tolerance) if tolerance.max is None else super().stray(state)
+
+    def _samples(self, state: FitState) -> Samples:
+        """Those of sparse faces, and all that stray: the first surface may lie far off between its curves."""
+        return super()._samples(state).joined(strays(state.surface, state.data.target, self._descent.bound / 2))
+
     def _moved_everywhere(self, state: FitState, final: bool) -> FitState:
         """By all points: few of them would leave large faces free to swing between."""
         return super()._moved_everywhere(state, True)
@@ -56,7 +68,7 @@ class Lavoue(Auto):
         """Enrich unless the rounds still gain; then all control vertices move."""
         error = badness(state, self.settings.tolerance)
         self._rounds += 1
-        if self._rounds < ROUNDS and error < GAIN * self._before:
+        if self._rounds < ROUNDS and error < GAIN * self._before and error > NEAR:
             self._before = error
             return state, None
         self._rounds, self._before = 0, np.inf

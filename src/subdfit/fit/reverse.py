@@ -10,7 +10,7 @@ from subdfit.fit.places import Places
 from subdfit.fit.state import FitState
 from subdfit.limit.surface import LimitSurface
 from subdfit.limit.tessellate import Lattice, lattice
-from subdfit.measure import reverse_segments
+from subdfit.measure import Tolerance, reverse_segments
 from subdfit.schemes.domain import CORNERS
 from subdfit.target.bvh import SegmentTree
 from subdfit.target.target import Target
@@ -97,6 +97,15 @@ def strays(
     grid = lattice(surface.domain, segments or reverse_segments(surface.domain))
     rows = slice(None) if cells is None else _nodes_of(grid, cells)
     return Samples.of(surface, target, grid.face[rows], grid.uv[rows], bound)
+
+
+def reverse_badness(state: FitState, tolerance: Tolerance) -> float:
+    """Largest ratio of rms and mean of the reverse side to what is asked; 0 where neither is."""
+    grid = lattice(state.surface.domain, reverse_segments(state.surface.domain))
+    samples = state.surface.evaluate(grid.face, grid.uv).position
+    distance = state.data.target.tree.closest(samples).distance
+    asked = ((tolerance.rms, float(np.sqrt(np.mean(distance**2)))), (tolerance.mean, float(distance.mean())))
+    return max((value / bound for bound, value in asked if bound), default=0.0)
 
 
 def _nodes_of(grid: Lattice, cells: Flags) -> Rows:

@@ -20,7 +20,7 @@ from subdfit.target.segmentation_facets import Facets, Flags, Labels
 from subdfit.target.segmentation_merging import Adjacency, absorb, merge_regions
 from subdfit.target.segmentation_rectification import border_costs, rectify
 from subdfit.target.segmentation_slivers import without_needles
-from subdfit.target.segmentation_tips import parted_at_necks
+from subdfit.target.segmentation_tips import across_necks
 from subdfit.target.target import Target
 
 Floats = NDArray[np.float64]
@@ -108,6 +108,8 @@ def segment_mesh(target: Target, settings: SegmentationSettings | None = None, *
 
 def segment_facets(facets: Facets, settings: SegmentationSettings) -> Labels:
     """Regions of triangles, (m,): classes, growing, merging, and borders rectified."""
+    ball = np.pi * facets.radius**2
+    facets = replace(facets, sharp=facets.sharp | across_necks(facets, ball))
     curvatures, directions = facets.curvature()
     # Logarithmic for radii far below the part's size, so that small fillets do not take up all classes.
     classes = cluster(np.arcsinh(curvatures * facets.diagonal / 2), facets.areas, settings.classes)
@@ -120,10 +122,8 @@ def segment_facets(facets: Facets, settings: SegmentationSettings) -> Labels:
         labels = rectify(facets, labels, curvatures, costs)
         labels = facets.connected(~facets.sharp & ~facets.borders(labels))
         labels = merge_regions(facets, labels, curvatures, Adjacency.turn_of_means, settings.step_turn)
-    ball = np.pi * facets.radius**2
     labels = absorb(facets, labels, Adjacency.thickness, _THIN * facets.radius)
     labels = absorb(facets, labels, Adjacency.area_if_open, ball)
-    labels = parted_at_necks(facets, labels, ball)
     return absorb(facets, labels, Adjacency.thickness, _NOTHING * facets.radius, over_sharp=True)
 
 

@@ -21,27 +21,26 @@ _BEND = 5.0
 """Degrees across an edge that make a path along it half as long."""
 _BACK = 3
 """Edges from which the direction of a chain's end is taken."""
-_NECK = 0.4
-"""Share of the seam between a piece and the rest of its region that may be open where creases part the two."""
+_NECK = 0.5
+"""Share of the seam between a piece and the rest that may be open where creases part the two."""
+_SIDE = 2.0
+"""How many times farther than where another crease ends a place beside one seems, to a crease that goes on."""
 
 
-def parted_at_necks(facets: Facets, labels: Indices, least: float) -> Indices:
-    """Regions (m,) of which creases within cut off all but a neck become two.
+def across_necks(facets: Facets, least: float) -> Flags:
+    """Edges (e,) across necks: with the sharp edges they part pieces that creases part from the rest nearly all round.
 
     Parameters
     ----------
     facets : the mesh.
-    labels : (m,) int64, regions.
-    least : area of a piece that may become a region.
+    least : area of a piece.
     """
-    borders = facets.borders(labels)
-    cuts = facets.sharp | borders
-    led = continued(facets.points, facets.edges, cuts | (facets.edges.valence == 1))
-    pieces = facets.connected(~cuts & ~led)
-    seam, neck = (_lengths(facets, pieces, flags & facets.borders(pieces)) for flags in (~borders, led))
+    led = continued(facets.points, facets.edges, facets.sharp | (facets.edges.valence == 1))
+    pieces = facets.connected(~facets.sharp & ~led)
+    within = ~facets.borders(facets.connected(~facets.sharp))
+    seam, neck = (_lengths(facets, pieces, flags & facets.borders(pieces)) for flags in (within, led))
     whole = (neck <= _NECK * seam) & (np.bincount(pieces, facets.areas) >= least)
-    kept = led & whole[pieces[facets.edges.faces]].all(axis=1)
-    return facets.connected(~cuts & ~kept)
+    return np.asarray(led & facets.borders(pieces) & whole[pieces[facets.edges.faces]].all(axis=1))
 
 
 def _lengths(facets: Facets, pieces: Indices, flags: Flags) -> Floats:
@@ -65,7 +64,9 @@ def continued(points: Floats, edges: Edges, cuts: Flags) -> Flags:
     while True:
         degree = np.bincount(edges.vertices[cuts].ravel(), minlength=len(points))
         tips = np.flatnonzero(degree == 1).tolist()
-        paths = (_shortest(points, edges, cost, cuts, tip) for tip in tips)
+        fading = degree == 1
+        fading[edges.vertices[led]] = True
+        paths = (_shortest(points, edges, cost, cuts, fading, tip) for tip in tips)
         path = next((path for path in paths if len(path)), None)
         if path is None:
             return led
@@ -90,10 +91,11 @@ def led_along_borders(points: Floats, edges: Edges, sharp: Flags, borders: Flags
         sharp[smooth[at_tip][np.argmax(edges.angle[smooth[at_tip]])]] = True
 
 
-def _shortest(points: Floats, edges: Edges, cost: Floats, cuts: Flags, tip: int) -> Indices:
+def _shortest(points: Floats, edges: Edges, cost: Floats, cuts: Flags, fading: Flags, tip: int) -> Indices:
     """Edges of the shortest path from a tip to a cut that is not its own chain; empty if there is none.
 
-    A step costs up to three times as much the more it turns away from where the chain led.
+    A step costs up to three times as much the more it turns away from where the chain led; vertices at which cuts are
+    `fading`, (n,) bool, seem nearer.
     """
     chain = _chain_from(edges.vertices[cuts], tip)
     on_cut = np.zeros(len(points), np.bool_)
@@ -108,7 +110,8 @@ def _shortest(points: Floats, edges: Edges, cost: Floats, cuts: Flags, tip: int)
     shape = (len(points), len(points))
     graph = csr_array(coo_array((steps, (start, end)), shape=shape))
     lengths, predecessors = dijkstra(graph, indices=[tip], return_predecessors=True)
-    length, before = np.where(on_cut, lengths[0], np.inf), predecessors[0]
+    far = np.where(fading, lengths[0], _SIDE * lengths[0])
+    length, before = np.where(on_cut, far, np.inf), predecessors[0]
     length[chain] = np.inf
     if not np.isfinite(length).any():
         return np.empty(0, np.int64)
