@@ -17,6 +17,10 @@ Indices = NDArray[np.int64]
 
 _FEWEST_CLOSED = 4
 """Control points of a closed arc, at least: with three, the faces on both sides may be the same triangle."""
+_AHEAD = 3
+"""Edges from which the direction in which an arc leaves a node is taken."""
+_STRAIGHT = np.cos(np.radians(40.0))
+"""Arcs that turn by less where they meet go on straight."""
 _EDGES = 4
 """Edges of the mesh a control segment, at least: more control points would follow the tessellation."""
 _FEWEST_ROUND = 3
@@ -49,6 +53,18 @@ def sharp_vertices(points: Floats, edges: Indices) -> Indices:
         chain = Polyline(points[curve.vertices], curve.closed)
         found.append(curve.vertices[chain.sharp_points()])
     return np.unique(np.concatenate(found))
+
+
+def bent_nodes(points: Floats, arcs: Sequence[Arc]) -> Indices:
+    """Nodes at which two sharp arcs meet, and no more, in a corner: what goes on straight there may stay smooth."""
+    ways: dict[int, list[Floats]] = {}
+    for arc in arcs:
+        if arc.sharp and not arc.closed:
+            for chain in (arc.vertices, arc.vertices[::-1]):
+                way = points[chain[min(_AHEAD, len(chain) - 1)]] - points[chain[0]]
+                ways.setdefault(int(chain[0]), []).append(way / np.linalg.norm(way))
+    pairs = {node: met for node, met in ways.items() if len(met) == 2}
+    return np.array([node for node, (one, other) in sorted(pairs.items()) if one @ other > -_STRAIGHT], np.int64)
 
 
 def fit_network(points: Floats, arcs: Sequence[Arc], tolerance: float) -> ControlNetwork:

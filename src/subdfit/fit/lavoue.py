@@ -35,6 +35,8 @@ NEAR = 1.5
 """How many times what is asked the error is at most when the control mesh is enriched in every round."""
 SIGNIFICANT = 0.5
 """Share of the largest error from which a face belongs to an error field (section 5.2)."""
+FOLD = 4.0
+"""Samples farther off than so many times the rms error of the data are drawn back: no freedom would mend them."""
 DAMPING = 1e-2
 """Least damping at the beginning of a round: large faces leave directions in which little holds their vertices."""
 
@@ -57,8 +59,9 @@ class Lavoue(Auto):
         return reverse_badness(state, tolerance) if tolerance.max is None else super().stray(state)
 
     def _samples(self, state: FitState) -> Samples:
-        """Those of sparse faces, and all that stray: the first surface may lie far off between its curves."""
-        return super()._samples(state).joined(strays(state.surface, state.data.target, self._descent.bound / 2))
+        """Those of sparse faces, and of folds: samples much farther off than the data are."""
+        least = max(self._descent.bound / 2, FOLD * state.errors.rms)
+        return super()._samples(state).joined(strays(state.surface, state.data.target, least))
 
     def _moved_everywhere(self, state: FitState, final: bool) -> FitState:
         """By all points: few of them would leave large faces free to swing between."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from subdfit.curves.network import fit_network, sharp_vertices
+from subdfit.curves.network import bent_nodes, fit_network, sharp_vertices
 from subdfit.initial.lavoue_whole import PatchError, join_patches
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.target.features import automatic_creases
@@ -79,7 +79,7 @@ def whole_start(part: CutPart, tolerance: float) -> ControlMesh:
         turns = sharp_vertices(points, cuts.edges[cuts.exact])
         network = curve_network(triangles, cuts, turns)
         fitted = fit_network(points, network.arcs, tolerance)
-        corners = np.flatnonzero(np.isin(fitted.nodes, turns))
+        corners = np.flatnonzero(np.isin(fitted.nodes, np.union1d(turns, bent_nodes(points, network.arcs))))
         try:
             return join_patches(points, network, fitted.points, fitted.limits, fitted.chains, fitted.places, corners)
         except PatchError as error:

@@ -6,6 +6,7 @@ control points near each optimised; where the surface leaves the tolerance, the 
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,8 +28,10 @@ from subdfit.mesh.topology import Topology
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 Candidates = Callable[[PolygonEdits, Floats, "Tried"], list[Change]]
 Tried = set[tuple[int, int]]
+Move = Callable[[FitState, Flags], FitState]
 
 ENOUGH = 24
 """Points for each triangle of a face that take part in the steps of a trial: large faces swing between fewer."""
@@ -76,16 +79,29 @@ class Thinning:
     def lighter(self, state: FitState) -> Iterator[FitState]:
         """Ever lighter fits, both sides of each within tolerance, from one whose data are."""
         state = self._settled(state)
-        merging = () if state.surface.scheme.faces == "triangles" else (merges,)
-        for candidates in (collapses, *merging):
-            names, tried, fruitless = np.arange(state.surface.topology.vertex_count), Tried(), 0
-            while fruitless < PATIENCE and (changes := self._apart(state, names, tried, candidates)):
-                tried |= {change.named(names) for change in changes}
-                trial = self._kept(state, changes)
-                fruitless += 1
-                if trial is not None:
-                    state, names, fruitless = trial.state, names[trial.rows], 0
-                    yield state
+        candidates = (collapses,) if state.surface.scheme.faces == "triangles" else (collapses, merges)
+        for move, found in product(self._moves(), candidates):
+            for lighter in self._thinned(state, found, move):
+                state = lighter
+                yield state
+
+    def _moves(self) -> tuple[Move, ...]:
+        """How control points are optimised: all of them, which spreads the error; then those near what changed.
+
+        A fit that just holds its largest error is not the least sum of squares, and does not hold it when all move.
+        """
+        return (self._moved,) if self.settings.tolerance.max is None else (self._moved, self._moved_near)
+
+    def _thinned(self, state: FitState, candidates: Candidates, move: Move) -> Iterator[FitState]:
+        """Ever lighter fits by changes of one kind, until several trials in sequence keep none."""
+        names, tried, fruitless = np.arange(state.surface.topology.vertex_count), Tried(), 0
+        while fruitless < PATIENCE and (changes := self._apart(state, names, tried, candidates)):
+            tried |= {change.named(names) for change in changes}
+            trial = self._kept(state, changes, move)
+            fruitless += 1
+            if trial is not None:
+                state, names, fruitless = trial.state, names[trial.rows], 0
+                yield state
 
     def _settled(self, state: FitState) -> FitState:
         """The state moved until both its sides hold; as it was, where a few rounds do not bring that about."""
@@ -114,10 +130,10 @@ class Thinning:
         row = {int(name): k for k, name in enumerate(names)}
         return {(row[a], row[b]) for a, b in tried if a in row and b in row}
 
-    def _kept(self, state: FitState, changes: list[Change]) -> _Trial | None:
+    def _kept(self, state: FitState, changes: list[Change], move: Move) -> _Trial | None:
         """The trial of as many of the changes as leave the fit within tolerance."""
         while changes:
-            trial = self._trial(state, changes)
+            trial = self._trial(state, changes, move)
             if self._holds(trial.state):
                 return trial
             changes = self._fewer(state, changes, trial)
@@ -140,7 +156,7 @@ class Thinning:
             return count * (asked.rms**2 - state.errors.rms**2)
         return count * (asked.mean - state.errors.mean) if asked.mean is not None else np.inf
 
-    def _trial(self, state: FitState, changes: Sequence[Change]) -> _Trial:
+    def _trial(self, state: FitState, changes: Sequence[Change], move: Move) -> _Trial:
         edits = PolygonEdits(state.surface.control_mesh)
         near = [change.near(edits) for change in changes]
         for change in changes:
@@ -153,22 +169,17 @@ class Thinning:
         flags = np.zeros((len(changes), len(rows)), np.bool_)
         for k, vertices in enumerate(near):
             flags[k, [row[v] for v in vertices if v in row]] = True
-        moved = self._moved_near(FitState.start(state.data, LimitSurface(mesh, scheme)), np.any(flags, axis=0))
+        moved = move(FitState.start(state.data, LimitSurface(mesh, scheme)), np.any(flags, axis=0))
         return _Trial(moved, rows, *self._judged(state, moved, flags))
 
-    def _moved_near(self, state: FitState, changed: NDArray[np.bool_]) -> FitState:
-        """Control points near changed ones, (n,), optimised; all of them where no largest error is asked.
-
-        A fit that just holds its largest error is not the least sum of squares, and would not hold it when all moved.
-        """
-        if self.settings.tolerance.max is None:
-            return self._moved(state)
+    def _moved_near(self, state: FitState, changed: Flags) -> FitState:
+        """Control points near changed ones, (n,), optimised."""
         topology = state.surface.topology
         moving = ring(topology, changed) & self._free(topology)
         return spots_moved(state, moving, TangentSettings(), self._bound, 1.0)
 
-    def _moved(self, state: FitState) -> FitState:
-        """All control points optimised, by some of the points."""
+    def _moved(self, state: FitState, changed: Flags | None = None) -> FitState:
+        """All control points optimised, by some of the points, whatever has changed."""
         some, rows = state.thinned(ENOUGH)
         samples = sparse_samples(some).joined(self._strays(state))
         cells = np.ones(state.surface.domain.face_count, np.bool_)
@@ -177,7 +188,7 @@ class Thinning:
         part = Part(some, samples, sparse_curve_samples(some, cells), free, STEPS, GAIN)
         return state.followed(descent.moved(part), rows)
 
-    def _free(self, topology: Topology) -> NDArray[np.bool_]:
+    def _free(self, topology: Topology) -> Flags:
         """Control vertices that may move at all, (n,)."""
         free = np.ones(topology.vertex_count, np.bool_)
         if self.settings.fixed_boundary:
@@ -187,7 +198,7 @@ class Thinning:
     def _strays(self, state: FitState) -> Samples:
         return strays(state.surface, state.data.target, self._bound / 2)
 
-    def _judged(self, before: FitState, after: FitState, near: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+    def _judged(self, before: FitState, after: FitState, near: Flags) -> tuple[Floats, Floats]:
         """Largest excess and loss by change, from the faces with two corners and more `near` it, (changes, n).
 
         Faces that lie so near none are those of all that moved them.
