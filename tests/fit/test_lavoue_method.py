@@ -57,8 +57,9 @@ def test_its_sharp_control_edges_are_its_edges(fitted):
     assert fitted.measurement.crease.max <= 5e-3
 
 
-def test_the_result_does_not_depend_on_the_run_or_on_threads(drilled, fitted):
-    again = lavoue(drilled, max_error="0.5%", threads=1)
+def test_auto_chooses_it_for_a_part_of_sharp_edges_and_threads_change_nothing(drilled, fitted):
+    again = subdfit.fit(drilled, scheme="quad-triangle", max_error="0.5%", threads=1)
+    assert again.settings.method == "lavoue"
     np.testing.assert_array_equal(again.control_mesh.points, fitted.control_mesh.points)
     np.testing.assert_array_equal(again.control_mesh.topology.face_vertices, fitted.control_mesh.topology.face_vertices)
 
@@ -80,10 +81,13 @@ def test_open_parts_keep_their_boundary(meshes):
     assert result.measurement.boundary.max <= 0.01
 
 
-def test_catmull_clark_takes_the_same_start(drilled):
+def test_catmull_clark_takes_the_same_start_and_one_step_leaves_quads_only(drilled):
     result = subdfit.fit(drilled, scheme="catmull-clark", method="lavoue", max_error="1%")
     assert result.certified
     assert euler(result.control_mesh.topology) == 0
+    quads = subdfit.subdivide(result.control_mesh, 1)
+    np.testing.assert_array_equal(np.diff(quads.topology.face_offsets), 4)
+    assert subdfit.measure(quads, drilled).max == pytest.approx(result.measurement.max, abs=1e-6)
 
 
 def test_fandisk_is_lighter_than_the_paper_has_it_and_as_near(meshes):

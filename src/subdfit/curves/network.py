@@ -62,7 +62,7 @@ def bent_nodes(points: Floats, arcs: Sequence[Arc]) -> Indices:
         if arc.sharp and not arc.closed:
             for chain in (arc.vertices, arc.vertices[::-1]):
                 way = points[chain[min(_AHEAD, len(chain) - 1)]] - points[chain[0]]
-                ways.setdefault(int(chain[0]), []).append(way / np.linalg.norm(way))
+                ways.setdefault(int(chain[0]), []).append(way / max(float(np.linalg.norm(way)), 1e-300))
     pairs = {node: met for node, met in ways.items() if len(met) == 2}
     return np.array([node for node, (one, other) in sorted(pairs.items()) if one @ other > -_STRAIGHT], np.int64)
 

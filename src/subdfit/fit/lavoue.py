@@ -14,10 +14,11 @@ from subdfit.errors import InputError
 from subdfit.fit.auto import Auto
 from subdfit.fit.faults import Faults
 from subdfit.fit.lavoue_whole import cut_part, whole_start
+from subdfit.fit.places import Places
 from subdfit.fit.reverse import Samples, reverse_badness, strays
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
-from subdfit.fit.stop import badness
+from subdfit.fit.stop import badness, within
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.target.target import Target
 
@@ -59,8 +60,9 @@ class Lavoue(Auto):
         return reverse_badness(state, tolerance) if tolerance.max is None else super().stray(state)
 
     def _samples(self, state: FitState) -> Samples:
-        """Those of sparse faces, and of folds: samples much farther off than the data are."""
-        least = max(self._descent.bound / 2, FOLD * state.errors.rms)
+        """Those of sparse faces, and of folds: samples much farther off than the data are; all once these hold."""
+        held = within(state, self.settings.tolerance)
+        least = max(self._descent.bound / 2, 0.0 if held else FOLD * state.errors.rms)
         return super()._samples(state).joined(strays(state.surface, state.data.target, least))
 
     def _moved_everywhere(self, state: FitState, final: bool) -> FitState:
@@ -78,10 +80,14 @@ class Lavoue(Auto):
         return super().adapt(state)
 
     def _bad_faces(self, state: FitState) -> Rows:
-        """The faces of error fields only: others may do once these are mended."""
-        faces = super()._bad_faces(state)
-        worst = Faults.of(state).maximum[faces]
-        return np.asarray(faces[worst >= SIGNIFICANT * worst.max(initial=0.0)])
+        """The faces of error fields only, others may do once these are mended: of the data, then of the samples."""
+        worst, faces = Faults.of(state).maximum, super()._bad_faces(state)
+        if len(faces) == 0 and self.settings.tolerance.max is None:
+            found = self._samples(state)
+            worst = np.zeros(state.surface.topology.face_count)
+            np.maximum.at(worst, Places(state.surface).face[found.face], found.gap)
+            faces = np.flatnonzero(worst)
+        return np.asarray(faces[worst[faces] >= SIGNIFICANT * worst[faces].max(initial=0.0)])
 
 
 def require_lavoue(scheme: str, control_vertices: int | None) -> None:
