@@ -1,7 +1,7 @@
 """Refinement of cages of 5,000 and 50,000 faces four times, and evaluations a second, for every scheme, on one core.
 
-Seconds are the processor's, so that what else runs on the machine matters little: those of the program itself and, after
-a plus sign, those in which the system finds memory for it. A virtual machine's system takes .1 to 3 s a GiB.
+Seconds are the processor's, so that what else runs on the machine matters little: those of the program itself and,
+after a plus sign, those in which the system finds memory for it. A virtual machine's system takes .1 to 3 s a GiB.
 """
 
 import multiprocessing
