@@ -184,7 +184,7 @@ def test_points_that_cannot_be_used(sphere):
         subdfit.fit((with_bad_point(sphere[0]), sphere[1]))
     with pytest.raises(InputError, match="not finite"):
         subdfit.fit(with_bad_point(sphere[0]))
-    with pytest.raises(InputError, match="lie on a surface"):
+    with pytest.raises(InputError, match="lie on a line; a surface needs points beside it"):
         subdfit.fit(np.linspace(0, 1, 90).reshape(30, 3))
     with pytest.raises(InputError, match="no points"):
         subdfit.fit(np.empty((0, 3)))
