@@ -11,7 +11,6 @@ import numpy as np
 from subdfit.compiled import compile_clock
 from subdfit.errors import InputError
 from subdfit.fit.auto import Auto
-from subdfit.fit.choice import suits_lavoue
 from subdfit.fit.data import FitData
 from subdfit.fit.fitter import Fitter
 from subdfit.fit.geometric import Geometric
@@ -153,27 +152,6 @@ def fit_target(
     """
     if settings.method not in METHODS:
         raise InputError(f"unknown method '{settings.method}'; choose one of {', '.join(METHODS)}")
-    if settings.method == "auto" and suits_lavoue(target, settings):
-        found = _tried(target, replace(settings, method="lavoue"), progress, unit)
-        if found is not None:
-            return found
-    return _fitted(target, settings, progress, unit)
-
-
-def _tried(
-    target: Target, settings: FitSettings, progress: Callable[[Progress], None] | None, unit: str | None
-) -> FitResult | None:
-    """A fit by a method that may fail; None where it does, by its certificate or at the beginning."""
-    try:
-        found = _fitted(target, settings, progress, unit)
-    except InputError:
-        return None
-    return found if found.certified or found.status == "interrupted" else None
-
-
-def _fitted(
-    target: Target, settings: FitSettings, progress: Callable[[Progress], None] | None, unit: str | None
-) -> FitResult:
     # More control vertices than data would follow nothing.
     settings = replace(settings, max_control_vertices=settings.max_control_vertices or len(target.used))
     run = _Run(target, settings, Frame.of(target.points[target.used]), progress)
