@@ -48,6 +48,8 @@ class Auto:
     """Rounds of a few damped tangent-distance steps, the control mesh adapted before each but the first."""
 
     patience = 16
+    cuts_at_once = False
+    """Whether a last polygon is cut on all sides before cutting it across was tried."""
 
     def __init__(self, settings: FitSettings, weights: TangentSettings | None = None) -> None:
         self.settings = settings
@@ -130,7 +132,7 @@ class Auto:
         if few and self._drawn:
             cut = self._strays.to_cut(state, straying)
             faces = np.concatenate([faces, cut[~np.isin(cut, faces)]])
-        last = few and (self._triangles(state) or (self._drawn and len(faces) <= LAST))
+        last = few and (self._triangles(state) or ((self._drawn or self.cuts_at_once) and len(faces) <= LAST))
         marks = all_sides(state, faces) if last else cutting_sides(state, faces)
         if tolerance.max is not None and not self.settings.fixed_boundary:
             marks |= curve_sides(state, CURVE_FACTOR * tolerance.max)

@@ -45,6 +45,8 @@ DAMPING = 1e-2
 class Lavoue(Auto):
     """Rounds of optimisation of all patches together, and enrichment once they have settled too far off."""
 
+    cuts_at_once = True
+
     def __init__(self, settings: FitSettings) -> None:
         super().__init__(settings)
         self._rounds, self._before = 0, np.inf
