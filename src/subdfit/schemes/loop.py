@@ -41,7 +41,9 @@ class Loop:
         inner[topology.edge_vertices[topology.boundary_edges]] = False
         thin = np.flatnonzero(inner & (topology.valence < 3))
         if len(thin):
-            raise InputError(f"inner vertex {thin[0]} has valence 2; collapse one of its edges")
+            raise InputError(
+                f"inner vertex {thin[0]} has valence 2; collapse one of its edges, or leave its component out"
+            )
 
     def domain(self, topology: Topology) -> Domain:
         """One triangle a face, its corners in the face's order."""
