@@ -78,6 +78,6 @@ def _scheme(mesh: ControlMesh, asked: str | None, name: str) -> str:
     stated = asked or mesh.scheme
     chosen = stated or ("loop" if mesh.topology.triangles_only else "catmull-clark")
     if chosen not in SCHEMES:
-        why = f"its scheme is {chosen}" if stated else f"it has polygons, and so its scheme is {chosen}"
-        raise InputError(f"{name}: {why}, which is not supported; choose one of {', '.join(SCHEMES)}")
+        why = "the scheme asked" if asked else "its scheme" if stated else "it has polygons, and so its scheme"
+        raise InputError(f"{name}: {why} is {chosen}, which is not supported; choose one of {', '.join(SCHEMES)}")
     return chosen

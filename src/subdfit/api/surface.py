@@ -93,7 +93,7 @@ class LimitSurface(limit.LimitSurface):
         return Projection(found.face, found.uv, found.distance * frame.diagonal, found.converged)
 
     def tessellate(self, level: int) -> Tessellation:
-        """Cut every face into ``4**level`` triangles whose vertices lie on the surface.
+        """Cut a triangle cell into ``4**level`` triangles, a quad into twice as many, all vertices on the surface.
 
         Raises
         ------

@@ -227,7 +227,7 @@ class _Bench:
         if not repair:
             raise InputError(
                 f"{self.name}: {len(crowded)} {verb} more than two faces, the first is {edge} with "
-                f"{len(crowded[0])}; repair=True (--repair) cuts the sheets apart"
+                f"{len(crowded[0])}; repair=True (--repair of fit and measure) cuts the sheets apart"
             )
         found = self.edges.first, self.edges.second
         matched = match_crowded(self.faces, self.edges, self.data.points[self.origin])
@@ -250,7 +250,8 @@ class _Bench:
             if not repair:
                 raise InputError(
                     f"{self.name}: the surface cannot be oriented, following it round through edge "
-                    f"{self._edge_name(edges.first[cut][0])} turns it over; repair=True (--repair) cuts it open"
+                    f"{self._edge_name(edges.first[cut][0])} turns it over; "
+                    "repair=True (--repair of fit and measure) cuts it open"
                 )
             turned = np.where(twisted, tree_turned, turned)
             self._split((edges.first[~cut], edges.second[~cut]))
