@@ -99,8 +99,8 @@ def test_fandisk_is_lighter_than_the_paper_has_it_and_as_near(meshes):
     assert m.mean * m.diagonal <= 0.78e-3 * side
     assert (m.rms * m.diagonal) ** 2 <= 0.25e-5 * side**2
     assert euler(result.control_mesh.topology) == 2
-    assert result.control_mesh.topology.vertex_count <= 75
-    assert result.control_mesh.topology.face_count <= 89
+    assert result.control_mesh.topology.vertex_count <= 70
+    assert result.control_mesh.topology.face_count <= 80
 
 
 @pytest.mark.parametrize(
