@@ -74,6 +74,11 @@ class Geometric:
 
         Of the surface's points only those pull as well that pull at no other vertex, as where the surface ends short
         of them: nothing else would reach them.
+
+        Parameters
+        ----------
+        displacement : (n, 3), written at the vertices on curves.
+        surface_pulls, error : (k, n) and (k, 3), weights and error vectors of the surface's points.
         """
         shares = Places(state.surface).corner_shares
         for found, curves, rows in zip(
