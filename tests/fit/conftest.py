@@ -40,6 +40,24 @@ def dome() -> Target:
 
 
 @pytest.fixture(scope="session")
+def petal() -> Target:
+    """A bent disk with a smooth waved rim."""
+    rings, spokes = 16, 96
+    radius, angle = np.repeat(np.arange(1, rings + 1) / rings, spokes), np.tile(np.arange(spokes), rings)
+    angle = 2 * np.pi * angle / spokes
+    x, y = (radius * (1 + 0.2 * np.cos(3 * angle)) * f(angle) for f in (np.cos, np.sin))
+    points = np.concatenate([np.zeros((1, 3)), np.column_stack([x, y, 0.4 * x * y + 0.3 * x**2])])
+    here = 1 + np.arange(spokes)
+    ahead = np.roll(here, -1)
+    fan = np.column_stack([np.zeros(spokes, np.int64), here, ahead])
+    band = np.concatenate(
+        [np.column_stack([here, here + spokes, ahead + spokes]), np.column_stack([here, ahead + spokes, ahead])]
+    )
+    bands = [band + spokes * k for k in range(rings - 1)]
+    return mesh_target(points, np.concatenate([fan, *bands]), creases="none")
+
+
+@pytest.fixture(scope="session")
 def box() -> Target:
     """A cube's surface with a fine grid on each side: twelve sharp edges."""
     n = 12

@@ -1,6 +1,7 @@
 """Fitting: truths about the result, whatever the method."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -87,14 +88,20 @@ def test_the_boundary_is_followed(scheme: str, method: str, dome: Target) -> Non
     assert np.count_nonzero(result.control_mesh.topology.boundary_edges) >= 3
 
 
-def test_a_fixed_boundary_stays(dome: Target) -> None:
-    few = settings("auto", 1e-2, control_vertices=80, max_iterations=3, fixed_boundary=True)
+@EVERY
+def test_a_held_boundary_follows_its_own_data_and_stays(scheme: str, petal: Target) -> None:
     meshes: list[ControlMesh] = []
-    fit_target(dome, few, lambda p: meshes.append(p.control_mesh))
-    first = meshes[0].topology
-    rim = np.unique(first.edge_vertices[first.boundary_edges])
-    for mesh in meshes[1:]:
-        np.testing.assert_allclose(mesh.points[rim], meshes[0].points[rim], atol=1e-12)
+    asked = settings("auto", 1e-3, scheme=scheme, fixed_boundary=True)
+    result = fit_target(petal, asked, lambda p: meshes.append(p.control_mesh))
+    assert result.certified
+    assert result.measurement.boundary is not None
+    assert result.measurement.boundary.max <= 1e-3
+    free = fit_target(petal, replace(asked, fixed_boundary=False)).control_mesh
+    assert result.control_mesh.topology.vertex_count <= 1.3 * free.topology.vertex_count
+    rims = [mesh.points[np.unique(mesh.topology.edge_vertices[mesh.topology.boundary_edges])] for mesh in meshes]
+    for before, after in pairwise(rims):
+        if len(before) == len(after):
+            np.testing.assert_allclose(after, before, atol=1e-12)
 
 
 @pytest.mark.parametrize(("scheme", "method"), [("loop", "geometric"), *((name, "auto") for name in FITTED)])

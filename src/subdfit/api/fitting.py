@@ -74,7 +74,7 @@ def fit(
         ``auto`` takes the creases that the file tags, else edges that are surely sharp; ``none``; or an angle in
         degrees above which an edge is a crease.
     boundary
-        ``fit`` moves boundary control vertices by boundary data; ``fixed`` leaves them where they start.
+        ``fit`` moves boundary control vertices by boundary data; ``fixed`` first of all, to hold them then.
     over_relaxation, nesterov, boundary_step
         Of the method ``geometric``: a factor on its displacements, above 0 and below 2; Nesterov's momentum; and our
         step for boundaries, without which boundary data pull as all others do. The paper has 1, no and no.

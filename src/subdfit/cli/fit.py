@@ -68,7 +68,10 @@ def _add_method(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--control-vertices", metavar="N", type=int, help="vertices to start from (default: chosen)")
     group.add_argument("--max-control-vertices", metavar="N", type=int, help="stop at so many, with the best so far")
     group.add_argument(
-        "--boundary", choices=("fit", "fixed"), default="fit", help="move boundary vertices, or not (default: fit)"
+        "--boundary",
+        choices=("fit", "fixed"),
+        default="fit",
+        help="fit the boundary with the rest, or first and then hold it (default: fit)",
     )
     group.add_argument(
         "--thin",

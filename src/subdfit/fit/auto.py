@@ -9,6 +9,7 @@ from subdfit.fit.adapt import refined
 from subdfit.fit.changes import ring
 from subdfit.fit.descent import Descent, Part
 from subdfit.fit.faults import Faults, all_sides, curve_sides, cutting_sides
+from subdfit.fit.held import boundary_held, boundary_vertices
 from subdfit.fit.reverse import Samples, sparse_curve_samples, sparse_samples
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.spots import spots_moved
@@ -109,10 +110,7 @@ class Auto:
 
     def _free(self, vertices: Flags, state: FitState) -> Flags:
         """Those of the flagged control vertices that may move."""
-        topology, free = state.surface.topology, vertices.copy()
-        if self.settings.fixed_boundary:
-            free[topology.edge_vertices[topology.boundary_edges].ravel()] = False
-        return free
+        return vertices & ~boundary_vertices(state.surface.topology) if self.settings.fixed_boundary else vertices
 
     def adapt(self, state: FitState) -> tuple[FitState, Flags | None]:
         """Refine where the error asks for it: cut each bad face in two, and halve bad curve sides.
@@ -134,7 +132,7 @@ class Auto:
             faces = np.concatenate([faces, cut[~np.isin(cut, faces)]])
         last = few and (self._triangles(state) or ((self._drawn or self.cuts_at_once) and len(faces) <= LAST))
         marks = all_sides(state, faces) if last else cutting_sides(state, faces)
-        if tolerance.max is not None and not self.settings.fixed_boundary:
+        if tolerance.max is not None:
             marks |= curve_sides(state, CURVE_FACTOR * tolerance.max)
         marks = self._within_budget(state, marks, faces)
         finer = self._refined(state, marks, few)
@@ -145,6 +143,8 @@ class Auto:
         if not marks.any():
             return state
         finer = refined(state, marks, regularise=not few)
+        if self.settings.fixed_boundary:
+            finer = boundary_held(finer, self.settings)
         budget = self.settings.max_control_vertices
         if budget is not None and finer.surface.topology.vertex_count > budget:
             return state

@@ -14,6 +14,7 @@ from subdfit.fit.auto import Auto
 from subdfit.fit.data import FitData
 from subdfit.fit.fitter import Fitter
 from subdfit.fit.geometric import Geometric
+from subdfit.fit.held import boundary_held
 from subdfit.fit.lavoue import Lavoue, lavoue_start
 from subdfit.fit.result import FitResult, Iteration, Status
 from subdfit.fit.settings import FitSettings
@@ -161,6 +162,8 @@ def fit_target(
     run.timed("start", clock)
     clock = time.perf_counter()
     state = _parted(run, FitState.start(data, LimitSurface(mesh, settings.scheme)))
+    if settings.fixed_boundary:
+        state = boundary_held(state, settings)
     run.timed("footpoints", clock)
     interrupted, measurement = False, None
     clock = time.perf_counter()

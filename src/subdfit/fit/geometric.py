@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from subdfit.closest.projection import Projector, corner_weights
 from subdfit.fit.adapt import refined
 from subdfit.fit.faults import Faults, all_sides
+from subdfit.fit.held import boundary_held
 from subdfit.fit.places import Places
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FOOTPOINT_TOLERANCE, FitState
@@ -138,7 +139,8 @@ class Geometric:
         budget = self.settings.max_control_vertices
         if not len(chosen) or (budget is not None and state.surface.topology.vertex_count >= budget):
             return state
-        return refined(state, all_sides(state, chosen), whole_faces=True)
+        finer = refined(state, all_sides(state, chosen), whole_faces=True)
+        return boundary_held(finer, self.settings) if self.settings.fixed_boundary else finer
 
     def _faces_to_split(self, state: FitState) -> NDArray[np.int64]:
         """Where the error does not become small enough: the face maximum, or its mean where only that is asked."""

@@ -17,7 +17,7 @@ class FitSettings:
     control_vertices : vertices of the first control mesh; None chooses from the tolerance.
     max_control_vertices : budget; None is unbounded.
     robust : share of the data points that may be left out as outliers; 0 leaves out none.
-    fixed_boundary : the boundary of the first control mesh stays where it is.
+    fixed_boundary : the boundary's curve is fitted first, by the data's boundary alone, and then held.
     thin : in the end remove control vertices and merge faces while the tolerance holds; ``lavoue`` does so anyway.
     max_iterations : after so many iterations the best so far is returned.
     sample_spacing : faces of the target with longer sides are sampled inside.

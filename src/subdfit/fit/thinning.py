@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from subdfit.fit.adapt import settled
 from subdfit.fit.changes import faces_at, ring
 from subdfit.fit.descent import Descent, Part
+from subdfit.fit.held import boundary_vertices
 from subdfit.fit.places import Places
 from subdfit.fit.reverse import Samples, reverse_badness, sparse_curve_samples, sparse_samples, strays
 from subdfit.fit.settings import FitSettings
@@ -190,10 +191,9 @@ class Thinning:
 
     def _free(self, topology: Topology) -> Flags:
         """Control vertices that may move at all, (n,)."""
-        free = np.ones(topology.vertex_count, np.bool_)
         if self.settings.fixed_boundary:
-            free[topology.edge_vertices[topology.boundary_edges].ravel()] = False
-        return free
+            return ~boundary_vertices(topology)
+        return np.ones(topology.vertex_count, np.bool_)
 
     def _strays(self, state: FitState) -> Samples:
         return strays(state.surface, state.data.target, self._bound / 2)
