@@ -185,6 +185,8 @@ def test_what_is_no_surface_is_refused_in_one_line(points, message):
     [
         (np.random.default_rng(0).random((60, 3)), "too sparse for the shape"),
         (clouds.grid(*3 * [np.arange(8.0)]), "fill space"),
+        (clouds.sphere(1500) * [1.0, 1.0, 1e-3], "two sheets lie nearer than the points"),
+        (clouds.torus(3000) * [1e-6, 1.0, 1.0], "two sheets lie nearer than the points"),
         (1e15 + clouds.sphere(1000), "were digits lost"),
     ],
 )
@@ -194,7 +196,12 @@ def test_what_is_hardly_a_surface_is_told(points, message, caplog):
 
 
 def test_clear_surfaces_are_not_doubted(caplog):
-    for points, _ in CLOUDS.values():
+    """Nor is what is flat: a sheet with noise, one that is bent, steps, one side of a shape in a smaller unit."""
+    rng = np.random.default_rng(6)
+    x, y, noise = rng.random((3, 1000))
+    heights = [noise, rng.standard_normal(1000), np.sin(5 * x) * np.cos(7 * y), np.round(20 * np.sin(5 * x))]
+    flat = [np.stack([x, y, 1e-3 * z], axis=1) for z in heights]
+    for points in [points for points, _ in CLOUDS.values()] + flat:
         reconstruct(points)
     assert not caplog.messages
 

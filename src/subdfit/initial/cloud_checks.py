@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from subdfit.errors import InputError
+from subdfit.initial.distinct import SINGLE
+from subdfit.initial.joined_sheets import share_of_joined_sheets
 from subdfit.initial.orient import components_of
 from subdfit.mesh.topology import Topology
 from subdfit.target.normals import face_normals
@@ -46,6 +48,9 @@ NEAR, FAR, SOME_POINTS = 6, 24, 2000
 BETWEEN = (1.5, 2.5)
 """Dimension of clouds between curves and surfaces, and between these and solids."""
 
+MANY_JOINED = 0.05
+"""Share of the vertices round which two sheets are joined to one from which it is told: five times that of a box."""
+
 LOST = "were digits lost, by a large offset or a coarse unit"
 REMEDY = "is noisy or too sparse for the shape, or an axis is in another unit: give denser points, or check the scale"
 
@@ -73,7 +78,7 @@ def check_joined(points: Floats, triangles: Rows, name: str) -> None:
 
 
 def check_surface(points: Floats, triangles: Rows, name: str) -> None:
-    """Warn of a surface with many handles and holes, of one that fills space, and of one that is rough all over.
+    """Warn of a surface with many handles and holes, of two sheets joined to one, and of what is rough or fills space.
 
     Raises
     ------
@@ -89,6 +94,13 @@ def check_surface(points: Floats, triangles: Rows, name: str) -> None:
         logger.warning("%s", text)
     elif _dimension(points) > BETWEEN[1]:
         logger.warning("%s: the points fill space, or sheets lie nearer than points; the sampling %s", name, REMEDY)
+    elif (share := share_of_joined_sheets(points, triangles, SINGLE)) > MANY_JOINED:
+        logger.warning(
+            "%s: at %.0f %% of the vertices two sheets lie nearer than the points, and are joined to one that zigzags; "
+            "the shape is thin there, or an axis is in another unit: give denser points, or check the scale",
+            name,
+            100 * share,
+        )
     elif (fold := _median_fold(points, topology)) > SMOOTH:
         logger.warning(
             "%s: half of the folds between triangles exceed %.0f degrees; the sampling %s", name, fold, REMEDY
