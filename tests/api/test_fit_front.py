@@ -124,7 +124,7 @@ def test_components_and_holes(sphere, caplog):
     assert len(result.target.used) == len(points)
     assert len(result.target.boundary_edges) == 0
     assert "kept 1 of 2 components" in caplog.text
-    assert "closed 1 holes" in caplog.text
+    assert "closed 1 hole" in caplog.text
 
 
 def test_mending_warns_with_a_count(sphere, caplog):

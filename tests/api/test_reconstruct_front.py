@@ -81,11 +81,22 @@ def test_simplified_to_a_tolerance(sphere):
 def test_bad_calls_are_refused_in_one_line(tmp_path, cloud, capsys):
     line = tmp_path / "line.xyz"
     np.savetxt(line, np.linspace(0, 1, 40)[:, None] * [1, 1, 1])
-    out = tmp_path / "out.ply"
-    for call in ([str(line)], [str(cloud), "--gap", "0"], [str(cloud), "--vertices", "3"], ["none.xyz"]):
+    out, alone = tmp_path / "out.ply", [str(cloud), "--keep-data-points"]
+    for call in ([str(line)], [str(cloud), "--gap", "0"], [str(cloud), "--vertices", "3"], alone, ["none.xyz"]):
         assert main(["reconstruct", *call, "-o", str(out), "--quiet"]) == 2
         assert len(capsys.readouterr().err.splitlines()) == 1
     assert not out.exists()
+
+
+def test_a_count_out_of_reach_is_told(caplog):
+    """A torus has seven vertices or more; a cloud has no more than its own."""
+    u, v = 2 * np.pi * np.mgrid[:20, :15].reshape(2, -1) / [[20], [15]]
+    around = 2 + np.cos(v)
+    points = np.stack([around * np.cos(u), around * np.sin(u), np.sin(v)], axis=1)
+    assert len(subdfit.reconstruct(points, vertices=4).mesh.points) >= 7
+    assert len(subdfit.reconstruct(points, vertices=301).mesh.points) == 300
+    assert "not 4: fewer would fold faces or change the topology" in caplog.messages[0]
+    assert caplog.messages[1] == "the mesh through the points has 300 vertices, 301 were asked for: not simplified"
 
 
 def test_unknown_methods_are_refused(sphere):

@@ -46,7 +46,7 @@ def test_nothing_is_lost_between_formats_that_keep_all(quads, tmp_path, capsys):
     for source, target in itertools.pairwise(chain):
         assert main(["convert", str(source), "-o", str(target), "--quiet"]) == 0
         said = capsys.readouterr()
-        assert said.out == "catmull-clark: 10 vertices, 7 faces, 2 creases, 1 corners\n"
+        assert said.out == "catmull-clark: 10 vertices, 7 faces, 2 creases, 1 corner\n"
         assert said.err == ""
         same(subdfit.read(target), given)
 

@@ -167,7 +167,7 @@ def test_given_normals_decide_which_side_is_outside(name, side):
     [
         (np.eye(3), "3 distinct points; a surface needs"),
         (np.tile(np.eye(3), (50, 1)), "3 distinct points among 150 .were digits lost"),
-        (1e17 + clouds.sphere(100), "1 distinct points among 100 .were digits lost"),
+        (1e17 + clouds.sphere(100), "1 distinct point among 100 .were digits lost"),
         (1e-200 * clouds.sphere(100), "too near one another"),
         (np.linspace(0, 1, 50)[:, None] * [1.0, 2.0, 3.0], "all points lie on a line"),
         (np.cos(np.linspace(0, 6, 300)[:, None] + [0, 1, 2]), "only 0 of 300 .* they lie along curves"),

@@ -64,7 +64,11 @@ def test_noise(tmp_path):
         ("x y z\n0 0 0\n", "line 1, 'x y z', is not all numbers"),
         ("# made by hand\n\n0 0 0\n0 0 1\nup and away\n", "line 5, 'up and away', is not all numbers"),
         ("0 0 0\n1 0 0 0 0 1\n", "line 2, .* has not 3 numbers"),
-        ("0,0,0\n", "line 1, '0,0,0', has 1 words"),
+        ("0\n", "line 1, '0', has 1 word, not 3 numbers"),
+        ("0,5 1,0 2,5\n", "line 1, '0,5 1,0 2,5', has commas or semicolons, but not one between any two numbers"),
+        ("0,0,0\n1,,2,3\n", "line 2, .* not one between any two"),
+        ("0,0,0\n1 2 3\n", "line 2, .* not one between any two"),
+        ("0,5;1,0;2,5\n", "line 1, .* not one between any two"),
     ],
 )
 def test_lines_of_points_are_named(text, message, tmp_path):

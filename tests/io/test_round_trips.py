@@ -123,9 +123,9 @@ def test_large_polygons_in_ply(tmp_path):
 
 def test_xyz(tmp_path):
     rows = np.random.default_rng(3).normal(size=(7, 6))
-    for columns in (3, 6):
+    for columns, mark in ((3, " "), (6, " "), (3, ","), (6, "; ")):
         text = io.StringIO()
-        np.savetxt(text, rows[:, :columns], fmt="%.17g", header="points")
+        np.savetxt(text, rows[:, :columns], fmt="%.17g", header="points", delimiter=mark)
         (tmp_path / "a.xyz").write_text(text.getvalue())
         data = read(tmp_path / "a.xyz")
         np.testing.assert_array_equal(data.points, rows[:, :3])

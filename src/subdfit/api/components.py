@@ -11,6 +11,7 @@ from subdfit.initial.components import keep_components
 from subdfit.initial.reconstruct import Reconstructed
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.mesh.data import MeshData
+from subdfit.wording import counted
 
 logger = logging.getLogger(__name__)
 
@@ -30,7 +31,13 @@ def largest_of_cloud(found: Reconstructed, count: int | None, name: str) -> Reco
         return found
     kept = keep_components(found.points, found.triangles, count)
     stays, others = min(count, kept.component_count), len(found.points) - len(kept.points)
-    logger.info("%s: kept %d of %d components, left %d points out", name, stays, kept.component_count, others)
+    logger.info(
+        "%s: kept %d of %s, left %s out",
+        name,
+        stays,
+        counted(kept.component_count, "component"),
+        counted(others, "point"),
+    )
     rows = found.point_rows[kept.point_rows] if len(found.point_rows) else found.point_rows
     left_out = np.union1d(found.left_out, np.setdiff1d(found.point_rows, rows))
     return replace(found, points=kept.points, triangles=kept.triangles, point_rows=rows, left_out=left_out)

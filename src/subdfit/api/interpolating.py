@@ -30,6 +30,7 @@ from subdfit.interpolate import (
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.schemes import SCHEMES, scheme_named
 from subdfit.target.frame import Frame
+from subdfit.wording import counted
 
 logger = logging.getLogger(__name__)
 
@@ -180,9 +181,9 @@ def _warn(found: Interpolation, fair: bool) -> None:
         given = "the fair surface" if fair else "of the control meshes that come nearest the least"
         more = "" if fair or found.status == "within_tolerance" else "; the option fair meets every vertex"
         logger.warning(
-            "this scheme cannot move all vertices of this mesh apart (%d control meshes have the limit 0); "
+            "this scheme cannot move all vertices of this mesh apart (%s the limit 0); "
             "%s is given, its largest relative error is %.2g%s",
-            found.null_vectors,
+            counted(found.null_vectors, "control mesh has", "control meshes have"),
             given,
             found.distances.max(),
             more,

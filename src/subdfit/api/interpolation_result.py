@@ -12,6 +12,7 @@ from subdfit.fit.result import mesh_counts
 from subdfit.interpolate import Status
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.mesh.topology import Topology
+from subdfit.wording import counted
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -84,8 +85,8 @@ class InterpolationResult:
 
     def __repr__(self) -> str:
         return (
-            f"<InterpolationResult {len(self.distances):,} points, {self.status.replace('_', ' ')}: "
-            f"largest relative error {self.distances.max():.2g}, {self.iterations} iterations>"
+            f"<InterpolationResult {counted(len(self.distances), 'point')}, {self.status.replace('_', ' ')}: "
+            f"largest relative error {self.distances.max():.2g}, {counted(self.iterations, 'iteration')}>"
         )
 
 

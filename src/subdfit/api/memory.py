@@ -20,6 +20,7 @@ from pathlib import Path
 
 from subdfit.api.lengths import show_bytes
 from subdfit.errors import InputError
+from subdfit.wording import counted
 
 _PROGRAM = 250 * 1024**2
 """Bytes of the interpreter, its libraries and the compiled kernels."""
@@ -50,7 +51,7 @@ def check_file(path: str | os.PathLike[str], limit: int | None) -> None:
 def check_job(points: int, corners: int, limit: int | None, name: str) -> None:
     """Raise InputError, with the estimate, where a job would need more than `limit` bytes."""
     if limit is not None:
-        _refuse(estimate(points, corners), limit, f"{name}: a job with {points:,} points")
+        _refuse(estimate(points, corners), limit, f"{name}: a job with {counted(points, 'point')}")
 
 
 def check_refinement(corners: int, levels: int) -> None:

@@ -1,5 +1,6 @@
 """`subdfit.reconstruct`: from unorganised points to a triangle mesh."""
 
+import logging
 import time
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -27,6 +28,9 @@ from subdfit.mesh.data import MeshData
 from subdfit.mesh.repair import check
 from subdfit.target.bvh import TriangleTree
 from subdfit.target.frame import Frame
+from subdfit.wording import counted
+
+logger = logging.getLogger(__name__)
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -109,7 +113,7 @@ def reconstruct(
         Simplify to the fewest vertices, but no fewer than `vertices`, of which all points joined lie within this: a
         length in the points' unit, or a share of the diagonal such as ``"0.01%"``.
     keep_data_points
-        Simplify to some of the points, instead of to vertices of least error.
+        Simplify to some of the points, instead of to vertices of least error; with `vertices` or `max_error`.
     threads
         Threads to use; None takes one a core. The result does not depend on it.
     memory
@@ -173,6 +177,8 @@ class _Asked:
             raise InputError(f"gap is {self.gap}; give a number above 0")
         if self.method == "poisson" and self.keep_data_points:
             raise InputError("the Poisson surface passes near the points, not through them; leave keep_data_points out")
+        if self.keep_data_points and self.vertices is None and self.max_error is None:
+            raise InputError("keep_data_points says to what a mesh is simplified; give vertices or max_error, too")
         for name, least in (("small_hole", 0), ("keep_components", 1), ("vertices", LEAST_VERTICES)):
             check_count(getattr(self, name), name, least)
 
@@ -215,4 +221,14 @@ def _simplified(found: Reconstructed, asked: _Asked, length: Length | None) -> t
         max_error=share and share * diagonal,
         keep_points=asked.keep_data_points,
     )
+    _tell_count(len(found.points), asked, simple)
     return simple, None if known is None or simple.point_rows is None else known[simple.point_rows]
+
+
+def _tell_count(joined: int, asked: _Asked, simple: Simplified) -> None:
+    """Say where the count that was asked for is out of reach."""
+    if asked.vertices is not None and asked.vertices > joined:
+        there, wanted = counted(joined, "vertex"), f"{asked.vertices:,}"
+        logger.warning("the mesh through the points has %s, %s were asked for: not simplified", there, wanted)
+    elif asked.max_error is None and simple.message:
+        logger.warning("%s", simple.message)

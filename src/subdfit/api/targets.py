@@ -21,6 +21,7 @@ from subdfit.initial.reconstruct import Reconstructed, reconstruct
 from subdfit.mesh.data import MeshData
 from subdfit.mesh.repair import mend
 from subdfit.target.target import Creases, Target, cloud_target, mesh_target, point_target
+from subdfit.wording import counted
 
 logger = logging.getLogger(__name__)
 stages = logging.getLogger("subdfit.api.stages")
@@ -134,7 +135,7 @@ def _mesh(data: MeshData, how: Preparation, name: str) -> Target:
         rows = kept.point_rows
         points, triangles = kept.points, kept.triangles
         stays = min(how.keep_components, kept.component_count)
-        logger.info("%s: kept %d of %d components", name, stays, kept.component_count)
+        logger.info("%s: kept %d of %s", name, stays, counted(kept.component_count, "component"))
     points, triangles = _closed(points, triangles, how, name)
     tagged = _tagged_creases(data, rows) if how.creases == "auto" else np.empty((0, 2), np.int64)
     target = mesh_target(points, triangles, creases="none" if len(tagged) else how.creases)
@@ -148,7 +149,9 @@ def _closed(
     if how.fill_holes is None:
         return points, triangles
     filled = fill_holes(points, triangles, how.fill_holes)
-    logger.info("%s: closed %d holes, left %d boundary loops open", name, filled.filled, filled.left)
+    logger.info(
+        "%s: closed %s, left %s open", name, counted(filled.filled, "hole"), counted(filled.left, "boundary loop")
+    )
     return filled.points, filled.triangles
 
 

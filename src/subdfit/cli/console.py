@@ -11,6 +11,8 @@ import time
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Self
 
+from subdfit.wording import counted
+
 if TYPE_CHECKING:
     from subdfit import ControlMesh, Progress
 
@@ -120,7 +122,7 @@ class Console(logging.Handler):
         if step.max < self._best_error:
             self.best, self._best_error = step.control_mesh, step.max
         self._text = (
-            f"{step.stage} {step.iteration}: {step.control_vertices:,} control vertices, "
+            f"{step.stage} {step.iteration}: {counted(step.control_vertices, 'control vertex')}, "
             f"E_max {100 * step.max:.3g} %, E_rms {100 * step.rms:.3g} %"
         )
         self._plain()

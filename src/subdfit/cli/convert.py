@@ -7,6 +7,7 @@ from typing import Any
 from subdfit.cli import options
 from subdfit.cli.console import Console, say
 from subdfit.cli.outputs import DRAWN, check_level, check_outputs, write_surface
+from subdfit.wording import counted
 
 
 def add_parser(commands: Any) -> None:
@@ -48,6 +49,6 @@ def run(args: argparse.Namespace, console: Console) -> int:
             api.write(path, mesh)
     console.rest()
     t = mesh.topology
-    tags = f"{len(t.crease_edges):,} creases, {(t.corner_sharpness > 0).sum():,} corners"
-    say(f"{mesh.scheme}: {t.vertex_count:,} vertices, {t.face_count:,} faces, {tags}")
+    tags = f"{counted(len(t.crease_edges), 'crease')}, {counted((t.corner_sharpness > 0).sum(), 'corner')}"
+    say(f"{mesh.scheme}: {counted(t.vertex_count, 'vertex')}, {counted(t.face_count, 'face')}, {tags}")
     return 0

@@ -8,6 +8,7 @@ from subdfit.cli import options
 from subdfit.cli.console import Console, say
 from subdfit.cli.outputs import check_level, check_outputs, write_json, write_surface
 from subdfit.cli.summary import fit_line, picture_title
+from subdfit.wording import counted
 
 if TYPE_CHECKING:
     from subdfit import FitResult
@@ -154,5 +155,5 @@ def _write_unmeasured(args: argparse.Namespace, console: Console) -> int:
     for path in args.output:
         write_surface(path, console.best, api.LimitSurface(console.best), args.tessellate)
     console.rest()
-    say(f"{console.best.topology.vertex_count:,} control vertices, interrupted before they were measured")
+    say(f"{counted(console.best.topology.vertex_count, 'control vertex')}, interrupted before they were measured")
     return EXIT["interrupted"]

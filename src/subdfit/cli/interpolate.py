@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from subdfit.cli import options
 from subdfit.cli.console import Console, say
 from subdfit.cli.outputs import DRAWN, check_outputs, write_json, write_surface
+from subdfit.wording import counted
 
 if TYPE_CHECKING:
     from subdfit.api import InterpolationResult
@@ -92,11 +93,11 @@ def run(args: argparse.Namespace, console: Console) -> int:
 def _line(result: "InterpolationResult") -> str:
     """One line on an interpolation."""
     sharp = result.to_dict()["crease_edges"]
-    creases = f" with {sharp:,} crease edges" if sharp else ""
+    creases = f" with {counted(sharp, 'crease edge')}" if sharp else ""
     reached = "" if result.status == "within_tolerance" else ", tolerance not reached"
     energy = "thin-plate energy {:.4g} instead of {:.4g}, ".format(*result.energy[::-1]) if result.energy else ""
     return (
-        f"{result.control_mesh.topology.vertex_count:,} control vertices{creases}, largest relative error "
-        f"{result.distances.max():.2g}{reached}, {energy}{result.iterations} iterations, "
-        f"{result.seconds['total']:.1f} s"
+        f"{counted(result.control_mesh.topology.vertex_count, 'control vertex')}{creases}, "
+        f"largest relative error {result.distances.max():.2g}{reached}, {energy}"
+        f"{counted(result.iterations, 'iteration')}, {result.seconds['total']:.1f} s"
     )

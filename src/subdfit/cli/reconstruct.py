@@ -6,6 +6,7 @@ from typing import Any
 from subdfit.cli import options
 from subdfit.cli.console import Console, say
 from subdfit.cli.outputs import check_outputs, write_json
+from subdfit.wording import counted
 
 METHODS = ("greedy", "cgal", "poisson")
 """Repeats `subdfit.api.reconstructing.METHODS`, which imports compiled kernels; a test holds the two equal."""
@@ -74,8 +75,9 @@ def run(args: argparse.Namespace, console: Console) -> int:
     if args.json:
         write_json(args.json, found.to_dict())
     console.rest()
+    within = f"points within {found.error:.4g}, " if found.error else ""
     say(
-        f"{len(found.mesh.points):,} vertices, {found.mesh.face_count:,} triangles, "
-        f"{len(found.left_out):,} points left out, {found.seconds['total']:.1f} s"
+        f"{counted(len(found.mesh.points), 'vertex')}, {counted(found.mesh.face_count, 'triangle')}, "
+        f"{counted(len(found.left_out), 'point')} left out, {within}{found.seconds['total']:.1f} s"
     )
     return 0

@@ -8,6 +8,7 @@ from subdfit.cli import options
 from subdfit.cli.console import Console, say
 from subdfit.cli.outputs import check_outputs
 from subdfit.errors import InputError
+from subdfit.wording import counted
 
 
 def add_parser(commands: Any) -> None:
@@ -56,5 +57,5 @@ def run(args: argparse.Namespace, console: Console) -> int:
         console.stage("drawing")
         found.picture(args.picture, title=Path(args.mesh).name)
     console.rest()
-    say(f"{found.count:,} faces, {len(found.feature_edges):,} feature edges")
+    say(f"{counted(found.count, 'face')}, {counted(len(found.feature_edges), 'feature edge')}")
     return 0

@@ -6,6 +6,7 @@ from typing import Any
 from subdfit.cli import options
 from subdfit.cli.console import Console, say
 from subdfit.cli.outputs import check_outputs
+from subdfit.wording import counted
 
 
 def add_parser(commands: Any) -> None:
@@ -37,5 +38,5 @@ def run(args: argparse.Namespace, console: Console) -> int:
     for path in args.output:
         api.write(path, mesh)
     console.rest()
-    say(f"{mesh.topology.vertex_count:,} vertices, {mesh.topology.face_count:,} faces")
+    say(f"{counted(mesh.topology.vertex_count, 'vertex')}, {counted(mesh.topology.face_count, 'face')}")
     return 0

@@ -2,6 +2,8 @@
 
 from typing import TYPE_CHECKING
 
+from subdfit.wording import counted
+
 if TYPE_CHECKING:
     from subdfit import FitResult, Measurement
     from subdfit.api import Comparison
@@ -23,7 +25,7 @@ def fit_line(result: "FitResult") -> str:
     m, unit = result.measurement, result.unit
     verdict = "certified" if result.certified else VERDICTS[result.status]
     return (
-        f"{result.control_mesh.topology.vertex_count:,} control vertices, {verdict}: "
+        f"{counted(result.control_mesh.topology.vertex_count, 'control vertex')}, {verdict}: "
         f"E_max {error_text(m.max, m.diagonal, unit)}, E_rms {error_text(m.rms, m.diagonal, unit)}, "
         f"reverse {100 * m.reverse_max:.4g} %, {result.seconds['total']:.1f} s"
     )
@@ -34,7 +36,7 @@ def picture_title(result: "FitResult") -> str:
     m = result.measurement
     verdict = "certified" if result.certified else VERDICTS[result.status]
     return (
-        f"{result.control_mesh.topology.vertex_count:,} control vertices, {verdict}: "
+        f"{counted(result.control_mesh.topology.vertex_count, 'control vertex')}, {verdict}: "
         f"largest error {error_text(m.max, m.diagonal, result.unit)}"
     )
 
@@ -51,11 +53,17 @@ def measure_table(found: "Comparison") -> str:
         if curve is not None:
             rows.append((name, f"{100 * curve.max:.4g} %", "", f"{100 * curve.mean:.4g} %"))
     topology = found.control_mesh.topology
-    head = f"{topology.vertex_count:,} control vertices, {topology.face_count:,} faces, {found.control_mesh.scheme}"
+    counts = f"{counted(topology.vertex_count, 'control vertex')}, {counted(topology.face_count, 'face')}"
     tail = [f"diagonal {m.diagonal:.6g} {unit or 'units'}, largest error {m.max * m.diagonal:.4g} {unit or 'units'}"]
     if found.status is not None:
         tail.append("certified" if found.certified else VERDICTS[found.status])
-    return "\n".join([head, *("".join(f"{cell:<17}" for cell in row).rstrip() for row in rows), *tail])
+    return "\n".join(
+        [
+            f"{counts}, {found.control_mesh.scheme}",
+            *("".join(f"{cell:<17}" for cell in row).rstrip() for row in rows),
+            *tail,
+        ]
+    )
 
 
 def _row(m: "Measurement", *names: str) -> list[str]:

@@ -10,6 +10,7 @@ from subdfit.draw.camera import camera_for
 from subdfit.draw.fit_picture import SURFACE
 from subdfit.draw.gallery import Panel, gallery
 from subdfit.target.features import mesh_edges
+from subdfit.wording import counted
 
 DOT = 2e-4
 """Length of the stroke that stands for a point, as a share of the diagonal: its round ends make a dot."""
@@ -49,7 +50,7 @@ def cloud_picture(
     vertices, triangles = np.asarray(mesh[0], np.float64), np.asarray(mesh[1], np.int64)
     panels = [_points_panel(cloud, vertices, triangles), _polyhedron_panel(vertices, triangles)]
     if surface is not None:
-        caption = f"surface: {surface[3]:,} control vertices"
+        caption = f"surface: {counted(surface[3], 'control vertex')}"
         panels.append(Panel(surface[0], surface[1], caption, colors=SURFACE, lines=surface[2], line_width=0.5))
     panels[0] = replace(panels[0], camera=camera_for(*_together(panels)))
     gallery(path, panels, title=title, panel_width=4.3)
@@ -68,7 +69,7 @@ def _points_panel(cloud: NDArray[np.float64], vertices: NDArray[np.float64], tri
     return Panel(
         vertices,
         triangles,
-        f"{len(cloud):,} points",
+        counted(len(cloud), "point"),
         colors=GROUND,
         lines=np.stack([cloud, cloud + DOT * diagonal], axis=1),
         line_width=float(np.clip(1.6 * (10_000 / max(len(cloud), 1)) ** 0.5, 0.3, 1.8)),
@@ -80,7 +81,7 @@ def _polyhedron_panel(vertices: NDArray[np.float64], triangles: NDArray[np.int64
     return Panel(
         vertices,
         triangles,
-        f"polyhedron: {len(np.unique(triangles)):,} vertices, {len(triangles):,} triangles",
+        f"polyhedron: {counted(len(np.unique(triangles)), 'vertex')}, {counted(len(triangles), 'triangle')}",
         lines=vertices[mesh_edges(vertices, triangles).vertices],
         line_width=float(np.clip(0.4 * (30_000 / max(len(triangles), 1)) ** 0.5, 0.1, 0.5)),
     )

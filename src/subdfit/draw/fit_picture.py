@@ -11,6 +11,7 @@ from subdfit.draw.error_scale import error_bar, error_scale, percent
 from subdfit.draw.page import axes_at, new_figure, text_at, write_png
 from subdfit.draw.render import render
 from subdfit.errors import InputError
+from subdfit.wording import counted
 
 SURFACE = (0.69, 0.79, 0.89)
 """Colour of a fitted surface."""
@@ -76,9 +77,9 @@ def fit_picture(
     render(axes[1], *surface, camera=view, colors=SURFACE, lines=edges, line_width=width)
     render(axes[2], *surface, camera=view, colors=errors, cmap=scale.cmap, norm=scale.norm)
     captions = (
-        f"target\n{len(np.unique(faces)):,} points, {len(faces):,} triangles",
+        f"target\n{counted(len(np.unique(faces)), 'point')}, {counted(len(faces), 'triangle')}",
         "control mesh on the limit surface\n"
-        f"{len(np.asarray(control[0])):,} control vertices, {len(control[1]):,} faces",  # type: ignore[arg-type]
+        f"{counted(len(np.asarray(control[0])), 'control vertex')}, {counted(len(control[1]), 'face')}",  # type: ignore[arg-type]
         f"distance from the limit surface to the target\nlargest {percent(scale.largest)} of the diagonal",
     )
     for k, caption in enumerate(captions):

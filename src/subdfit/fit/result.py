@@ -11,6 +11,7 @@ from subdfit.fit.settings import FitSettings
 from subdfit.limit.surface import LimitSurface
 from subdfit.measure import Measurement
 from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.wording import counted
 
 Status = Literal["within_tolerance", "best_effort", "interrupted"]
 
@@ -87,7 +88,7 @@ class FitResult:
         m, unit = self.measurement, self.unit or "units"
         word = "certified" if self.certified else self.status.replace("_", " ")
         return (
-            f"{self.control_mesh.topology.vertex_count:,} control vertices, {word}: "
+            f"{counted(self.control_mesh.topology.vertex_count, 'control vertex')}, {word}: "
             f"E_max {100 * m.max:.4f} % ({m.max * m.diagonal:.4g} {unit}), E_rms {100 * m.rms:.4f} %, "
             f"reverse {100 * m.reverse_max:.4f} %, {self.seconds['total']:.1f} s"
         )

@@ -12,6 +12,7 @@ from subdfit.initial.joined_sheets import share_of_joined_sheets
 from subdfit.initial.orient import components_of
 from subdfit.mesh.topology import Topology
 from subdfit.target.normals import face_normals
+from subdfit.wording import counted
 
 logger = logging.getLogger(__name__)
 
@@ -59,7 +60,9 @@ def check_extent(points: Floats, given: int, name: str) -> None:
     """Refuse distinct points (n, 3), of `given`, that span no surface."""
     if len(points) < LEAST_POINTS:
         lost = f" among {given:,} ({LOST}?)" if len(points) < given else ""
-        raise InputError(f"{name}: has {len(points)} distinct points{lost}; a surface needs at least {LEAST_POINTS}")
+        raise InputError(
+            f"{name}: has {counted(len(points), 'distinct point')}{lost}; a surface needs at least {LEAST_POINTS}"
+        )
     extent = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
     if extent[1] <= ON_LINE * extent[0]:
         raise InputError(
@@ -94,7 +97,7 @@ def check_surface(points: Floats, triangles: Rows, name: str) -> None:
         logger.warning("%s", text)
     elif _dimension(points) > BETWEEN[1]:
         logger.warning("%s: the points fill space, or sheets lie nearer than points; the sampling %s", name, REMEDY)
-    elif (share := share_of_joined_sheets(points, triangles, SINGLE)) > MANY_JOINED:
+    elif (share := share_of_joined_sheets(points, topology, SINGLE)) > MANY_JOINED:
         logger.warning(
             "%s: at %.0f %% of the vertices two sheets lie nearer than the points, and are joined to one that zigzags; "
             "the shape is thin there, or an axis is in another unit: give denser points, or check the scale",
@@ -113,14 +116,14 @@ def tell(left_out: int, repeated: int, given: int, name: str) -> None:
     if repeated:
         logger.log(
             logging.WARNING if lost else logging.INFO,
-            "%s: %d of %d points repeat another's position%s",
+            "%s: of %s %s the position of another%s",
             name,
-            repeated,
-            given,
+            counted(given, "point"),
+            counted(repeated, "repeats", "repeat"),
             f"; is all there twice, or {LOST}?" if lost else "",
         )
     if left_out:
-        logger.warning("%s: %d points lie on no surface and are left out", name, left_out)
+        logger.warning("%s: %s on no surface, left out", name, counted(left_out, "point"))
 
 
 def _tangles(topology: Topology) -> int:

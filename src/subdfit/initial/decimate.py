@@ -11,6 +11,7 @@ from subdfit.errors import InputError
 from subdfit.initial._decimate_kernels import CORNER, CURVE, SMOOTH, collapse_edges
 from subdfit.initial._quadric_kernels import vertex_quadrics
 from subdfit.mesh.topology import Topology
+from subdfit.wording import counted
 
 logger = logging.getLogger(__name__)
 
@@ -133,7 +134,7 @@ def _shortfall(left: int, target: int) -> str | None:
     if left <= target:
         return None
     message = (
-        f"stopped at {left} vertices, not {target}: fewer would fold faces or change the topology, "
+        f"stopped at {counted(left, 'vertex')}, not {target}: fewer would fold faces or change the topology, "
         "a boundary loop, a crease or a corner"
     )
     logger.info(message)

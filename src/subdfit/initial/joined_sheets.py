@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
 
+from subdfit.mesh.topology import Topology
+
 Floats = NDArray[np.float64]
 Rows = NDArray[np.int64]
 Flags = NDArray[np.bool_]
@@ -30,23 +32,23 @@ THIN = 0.2
 of its own if uniform, six tenths if Gaussian."""
 
 APART = 0.5
-"""Distance of the layers' centres in the plane, as a share of the neighbourhood's radius, from which they lie beside one
-another, like the treads of a step or the faces at an edge: those of half discs are .85 apart."""
+"""Distance of the layers' centres in the plane, as a share of the neighbourhood's radius, from which they lie side by
+side, like the treads of a step or the faces at an edge: those of half discs are .85 apart."""
 
 PARALLEL = 0.5
 """Spread of the gap between the layers, as a share of its mean, below which neither crosses the other."""
 
 
-def share_of_joined_sheets(points: Floats, triangles: Rows, flat: float) -> float:
+def share_of_joined_sheets(points: Floats, topology: Topology, flat: float) -> float:
     """Share of the inner vertices round which the mesh joins two sheets.
 
     Parameters
     ----------
     points : (n, 3) float64.
-    triangles : (m, 3) int64, a manifold; all points are used.
+    topology : of a triangle mesh in which all points are used.
     flat : roughness up to which a neighbourhood is one plane.
     """
-    near, known = _two_rings(triangles, len(points))
+    near, known = _two_rings(topology)
     if not len(near):
         return 0.0
     places, heights = _over_planes(points[near], known)
@@ -59,27 +61,23 @@ def share_of_joined_sheets(points: Floats, triangles: Rows, flat: float) -> floa
     return float(np.count_nonzero(two & (_distance(places, *parts) < APART)) / max(len(near), LEAST_VERTICES))
 
 
-def _two_rings(triangles: Rows, count: int) -> tuple[Rows, Flags]:
+def _two_rings(topology: Topology) -> tuple[Rows, Flags]:
     """Some vertices with neighbours and these' neighbours, (s, k), padded, and which entries are known.
 
     Not those from which two steps lead to a boundary: three rows of points of a curved sheet are like two layers.
     """
-    ends, others = triangles.ravel(), np.roll(triangles, 1, axis=1).ravel()
-    once: csr_array = coo_array((np.ones(len(ends), np.int32), (ends, others)), shape=(count, count)).tocsr()
-    rim = np.zeros(count, np.bool_)
-    rim[(once != once.T).nonzero()[0]] = True
-    joined = once + once.T + _identity(count)
-    rings = joined[np.arange(0, count, -(-count // SOME_VERTICES))] @ joined
-    rings = rings[np.flatnonzero(rings @ rim == 0)]
+    count, each = topology.vertex_count, np.arange(topology.vertex_count)
+    ends = np.concatenate([topology.edge_vertices, topology.edge_vertices[:, ::-1], np.stack([each, each], axis=1)])
+    joined: csr_array = coo_array(
+        (np.ones(len(ends), np.int32), (ends[:, 0], ends[:, 1])), shape=(count, count)
+    ).tocsr()
+    rings = joined[:: -(-count // SOME_VERTICES)] @ joined
+    rings = rings[np.flatnonzero(rings @ np.isin(each, topology.ends(topology.boundary_edges)) == 0)]
     sizes = np.diff(rings.indptr)
-    known = np.arange(sizes.max(initial=0)) < sizes[:, None]
+    known: Flags = np.arange(sizes.max(initial=0)) < sizes[:, None]
     near = np.zeros(known.shape, np.int64)
     near[known] = rings.indices
     return near, known
-
-
-def _identity(count: int) -> csr_array:
-    return csr_array((np.ones(count, np.int32), np.arange(count), np.arange(count + 1)), shape=(count, count))
 
 
 def _over_planes(points: Floats, known: Flags) -> tuple[Floats, Floats]:
@@ -107,22 +105,27 @@ def _planes(places: Floats, heights: Floats, part: Flags) -> Floats:
     base = np.concatenate([np.ones((*heights.shape, 1)), places], axis=2)
     normal = np.einsum("sk,ski,skj->sij", part, base, base) + 1e-9 * np.eye(3)  # if few points, or all in a row
     right = np.einsum("sk,ski,sk->si", part, base, heights)
-    return np.einsum("ski,si->sk", base, np.linalg.solve(normal, right[:, :, None])[:, :, 0])
+    found: Floats = np.einsum("ski,si->sk", base, np.linalg.solve(normal, right[:, :, None])[:, :, 0])
+    return found
 
 
 def _rms(heights: Floats, known: Flags) -> Floats:
-    return np.sqrt(np.mean(heights**2, axis=1, where=known))
+    size: Floats = np.sqrt(np.mean(heights**2, axis=1, where=known))
+    return size
 
 
 def _parallel(gap: Floats, known: Flags) -> Flags:
     """Whether one plane's height over another hardly differs between the points."""
     mean = np.mean(gap, axis=1, where=known)
-    return _rms(gap - mean[:, None], known) < PARALLEL * np.abs(mean)
+    parallel: Flags = _rms(gap - mean[:, None], known) < PARALLEL * np.abs(mean)
+    return parallel
 
 
 def _distance(places: Floats, upper: Flags, lower: Flags) -> Floats:
     """Distance of the centres of two parts."""
     above, below = (
-        np.einsum("sk,skd->sd", part, places) / np.maximum(part.sum(axis=1, keepdims=True), 1) for part in (upper, lower)
+        np.einsum("sk,skd->sd", part, places) / np.maximum(part.sum(axis=1, keepdims=True), 1)
+        for part in (upper, lower)
     )
-    return np.linalg.norm(above - below, axis=1)
+    distance: Floats = np.linalg.norm(above - below, axis=1)
+    return distance

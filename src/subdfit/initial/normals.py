@@ -8,6 +8,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
 from scipy.spatial import cKDTree
 
+from subdfit.wording import counted
+
 logger = logging.getLogger(__name__)
 
 Floats = NDArray[np.float64]
@@ -22,7 +24,7 @@ def known_normals(normals: ArrayLike, name: str) -> Floats:
     known = np.array(normals, np.float64).reshape(-1, 3)
     unknown = ~np.isfinite(known).all(axis=1)
     if unknown.any():
-        logger.warning("%s: %d normals are not finite and are not used", name, np.count_nonzero(unknown))
+        logger.warning("%s: %s not finite, not used", name, counted(int(unknown.sum()), "normal"))
         known[unknown] = 0.0
     return known
 

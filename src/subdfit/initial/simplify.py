@@ -27,12 +27,14 @@ class Simplified:
     triangles : (m, 3) int64, rows of `points`.
     point_rows : (k,) int64, rows of the original points; None where vertices were placed freely.
     error : largest distance of an original point from the triangles.
+    message : why there are more vertices than were to be left, or None.
     """
 
     points: Floats
     triangles: Rows
     point_rows: Rows | None
     error: float
+    message: str | None = None
 
 
 def simplify(
@@ -78,4 +80,4 @@ def simplify(
 def _reduced(points: Floats, triangles: Rows, count: int, keep_points: bool) -> Simplified:
     found: Decimated = decimate(points, triangles, max(count, 3), subset=keep_points)
     error = TriangleTree(found.points, found.triangles).closest(points).distance.max()
-    return Simplified(found.points, found.triangles, found.point_rows, float(error))
+    return Simplified(found.points, found.triangles, found.point_rows, float(error), found.message)

@@ -177,4 +177,6 @@ def _diagonal(energy: sp.csr_array, constraint: _Constraint) -> Floats:
 
 
 def _value(energy: sp.csr_array, points: Floats) -> float:
-    return float(np.vdot(points, energy @ points))
+    """The energy, 0 where its terms cancel but for rounding, as those of flat faces between creases."""
+    value, terms = float(np.vdot(points, energy @ points)), float(np.vdot(abs(points), abs(energy) @ abs(points)))
+    return value if value > _ROUNDING * terms else 0.0

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from subdfit.errors import InputError
 from subdfit.io.text import floats, integers, quote
+from subdfit.wording import counted
 
 _TYPES = {
     **dict.fromkeys(("char", "int8"), "i1"),
@@ -125,8 +126,8 @@ def parse_tables(content: bytes, header: Header, wanted: dict[str, set[str]], na
 
 def _cut(name: str, element: Element, unit: str, has: int) -> InputError:
     return InputError(
-        f"{name}: the header states {element.count} rows of '{element.name}', more than the {has} {unit} left hold; "
-        "the file is cut or contradictory, export it again"
+        f"{name}: the header states {counted(element.count, 'row')} of '{element.name}', more than the {has} "
+        f"{unit} left hold; the file is cut or contradictory, export it again"
     )
 
 
@@ -150,7 +151,9 @@ class _Binary:
         """Refuse bytes that no element accounts for."""
         extra = len(self.content) - self.position
         if extra and self.content[self.position :].strip():
-            raise InputError(f"{self.name}: {extra} bytes follow the last row the header states; export it again")
+            raise InputError(
+                f"{self.name}: {counted(extra, 'byte')} after the last row the header states; export it again"
+            )
 
     def _alike(self, element: Element, wanted: set[str]) -> Table | None:
         """Read all rows with the layout of the first one; None if that is not the layout of all."""
@@ -229,7 +232,9 @@ class _Binary:
         except struct.error:
             raise self._ends(element, row) from None
         if count < 0:
-            raise InputError(f"{self.name}: row {row} of '{element.name}' states {count} values; export the file again")
+            raise InputError(
+                f"{self.name}: row {row} of '{element.name}' states {counted(count, 'value')}; export the file again"
+            )
         return count
 
     def _ends(self, element: Element, row: int) -> InputError:
@@ -265,7 +270,9 @@ class _Text:
         """Refuse words that no element accounts for."""
         extra = len(self.words) - self.position
         if extra:
-            raise InputError(f"{self.name}: {extra} words follow the last row the header states; export it again")
+            raise InputError(
+                f"{self.name}: {counted(extra, 'word')} after the last row the header states; export it again"
+            )
 
     def _alike(self, element: Element) -> list[tuple[NDArray[np.int64], list[bytes]]] | None:
         """Read all rows with the layout of the first one; None if that is not the layout of all."""

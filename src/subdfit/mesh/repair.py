@@ -12,6 +12,7 @@ from subdfit.mesh._repair_kernels import merge_labels
 from subdfit.mesh._sheets import match_crowded, orientation, split_fans, twist_cut
 from subdfit.mesh._slivers import remove_slivers, without_area
 from subdfit.mesh.data import MeshData
+from subdfit.wording import counted
 
 logger = logging.getLogger(__name__)
 
@@ -45,17 +46,19 @@ def check(data: MeshData, name: str = "mesh") -> None:
     """
     count = len(data.points)
     if count == 0:
-        raise InputError(f"{name}: has no points; export the mesh again")
+        raise InputError(f"{name}: has no points; export it again")
     fine = np.abs(data.points) < _LARGEST
     if not fine.all():
         bad = np.flatnonzero(~fine.all(axis=1))
         place = " ".join(f"{x:g}" for x in data.points[bad[0]])
         raise InputError(
-            f"{name}: {len(bad)} vertices are not finite or too large to compute with, the first is row {bad[0]} "
+            f"{name}: {counted(len(bad), 'point')} not finite or too large to compute with, the first is row {bad[0]} "
             f"({place}); remove or correct them"
         )
     if data.normals is not None and data.normals.shape != data.points.shape:
-        raise InputError(f"{name}: has {len(data.normals)} normals for {count} points; give one each, or none")
+        raise InputError(
+            f"{name}: has {counted(len(data.normals), 'normal')} for {counted(count, 'point')}; give one each, or none"
+        )
     _check_rows(data.face_vertices, count, name, "corner", "faces")
     _check_rows(data.crease_edges.ravel(), count, name, "end", "creases")
     _check_rows(data.corner_vertices, count, name, "entry", "corners")
@@ -70,7 +73,7 @@ def _check_rows(rows: Indices, count: int, name: str, part: str, whole: str) -> 
         bad = np.flatnonzero((rows < 0) | (rows >= count))
         raise InputError(
             f"{name}: {part} {bad[0]} of the {whole} names vertex {rows[bad[0]]}, there are {count} (rows from 0); "
-            "export the mesh again"
+            "export it again"
         )
 
 
@@ -134,7 +137,7 @@ class _Bench:
 
     def _say(self, count: int, one: str, many: str, deed: str) -> None:
         if count:
-            message = f"{count} {one if count == 1 else many} {deed}"
+            message = f"{counted(count, one, many)} {deed}"
             self.messages.append(message)
             logger.warning("%s: %s", self.name, message)
 
@@ -214,7 +217,7 @@ class _Bench:
         faces, merged, (collapsed, given, dropped) = remove_slivers(self.faces, self.data.points, flat)
         self.merged = merged[self.merged]
         self._set(faces)
-        deed = f"taken out ({collapsed} edges collapsed, {given} merged with a neighbour, {dropped} dropped)"
+        deed = f"taken out ({counted(collapsed, 'edge')} collapsed, {given} merged with a neighbour, {dropped} dropped)"
         self._say(int(flat.sum()), "zero-area face", "zero-area faces", deed)
 
     def part_crowded_edges(self, repair: bool) -> None:
@@ -223,11 +226,10 @@ class _Bench:
         if not crowded:
             return
         edge = self._edge_name(crowded[0][0])
-        verb = "edge has" if len(crowded) == 1 else "edges have"
         if not repair:
             raise InputError(
-                f"{self.name}: {len(crowded)} {verb} more than two faces, the first is {edge} with "
-                f"{len(crowded[0])}; repair=True (--repair of fit and measure) cuts the sheets apart"
+                f"{self.name}: {counted(len(crowded), 'edge has', 'edges have')} more than two faces, the first "
+                f"is {edge} with {len(crowded[0])}; repair=True (--repair of fit and measure) cuts the sheets apart"
             )
         found = self.edges.first, self.edges.second
         matched = match_crowded(self.faces, self.edges, self.data.points[self.origin])
@@ -280,7 +282,7 @@ class _Bench:
     def finish(self) -> Mended:
         """Drop unused rows and carry creases, corners and normals over."""
         if self.faces.count == 0:
-            raise InputError(f"{self.name}: no face with an area is left; export the mesh again, or its points alone")
+            raise InputError(f"{self.name}: no face with an area is left; export it again, or its points alone")
         used = np.bincount(self.faces.corners, minlength=len(self.origin)) > 0
         rows = self.origin[used]
         corners = (np.cumsum(used) - 1)[self.faces.corners]
