@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from subdfit.closest.curves import SurfaceCurves
 from subdfit.fit.adapt import refined
@@ -9,7 +10,7 @@ from subdfit.fit.auto import Auto
 from subdfit.fit.changes import cells_moved_by, changed_cells
 from subdfit.fit.data import FitData
 from subdfit.fit.regions import regions
-from subdfit.fit.reverse import CurveSamples, inner_samples, strays
+from subdfit.fit.reverse import CurveSamples, Samples, inner_samples, strays
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.spots import Spot
 from subdfit.fit.state import FitState
@@ -75,16 +76,20 @@ def test_samples_point_at_the_target(state: FitState) -> None:
     assert target.tree.closest(ahead).distance.max() < 1e-12
 
 
+def places_of(samples: Samples, surface: LimitSurface) -> cKDTree:
+    return cKDTree(surface.evaluate(samples.face, samples.uv).position)
+
+
 def test_samples_of_some_cells_are_those_of_all(state: FitState) -> None:
-    """Those on the sides of these cells too, whichever cell names them."""
+    """Those on the sides of these cells too, which others share."""
     cells = np.arange(state.surface.domain.face_count) % 3 == 0
-    some, others, everywhere = (
-        {tuple(p) for p in np.column_stack([found.face, found.uv, found.gap])}
-        for found in (strays(state.surface, state.data.target, 1e-4, kept) for kept in (cells, ~cells, None))
-    )
-    assert some | others == everywhere
-    assert some & others
-    assert {p for p in everywhere if cells[int(p[0])]} <= some
+    some, others, everywhere = (strays(state.surface, state.data.target, 1e-4, kept) for kept in (cells, ~cells, None))
+    assert np.all(cells[some.face])
+    assert not np.any(cells[others.face])
+    parts, whole = places_of(some.joined(others), state.surface), places_of(everywhere, state.surface)
+    assert parts.query(whole.data)[0].max() < 1e-12
+    assert whole.query(parts.data)[0].max() < 1e-12
+    assert len(some) + len(others) > len(everywhere)
 
 
 def test_strays_are_all_that_stray(state: FitState) -> None:
@@ -176,8 +181,8 @@ def test_strays_are_carried_where_nothing_changed(state: FitState) -> None:
     changed = changed_cells(state.surface, moved.surface)
     kept, old = carried.face[~changed[carried.face]], before.face[~changed[before.face]]
     assert np.array_equal(kept[: len(old)], old)
-    places = [{(int(f), *uv) for f, uv in zip(s.face, s.uv, strict=True)} for s in (carried, anew)]
-    assert places[0] == places[1]
+    assert places_of(carried, moved.surface).query(places_of(anew, moved.surface).data)[0].max() < 1e-12
+    assert places_of(anew, moved.surface).query(places_of(carried, moved.surface).data)[0].max() < 1e-12
     assert carried.gap.max() == pytest.approx(anew.gap.max(), rel=1e-12)
 
 
@@ -207,3 +212,13 @@ def test_a_spot_without_data_is_drawn_to_the_target(state: FitState) -> None:
     before = region.surface.control_mesh.points
     assert np.array_equal(points[~free], before[~free])
     assert not np.array_equal(points[free], before[free])
+
+
+@pytest.mark.parametrize(("share", "drawn"), [(0.01, False), (0.95, True)])
+def test_what_strays_is_drawn_once_few_faces_are_too_far_off(state: FitState, share: float, drawn: bool) -> None:
+    bound = share * state.errors.max
+    fitter = Auto(FitSettings(tolerance=Tolerance(max=bound)))
+    straying = strays(state.surface, state.data.target, bound / 2)
+    taken = places_of(fitter._samples(state), state.surface)
+    assert len(straying)
+    assert (taken.query(places_of(straying, state.surface).data)[0].max() < 1e-12) == drawn

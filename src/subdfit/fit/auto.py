@@ -32,6 +32,8 @@ POLYGON_CAP = CAP / 6
 """The same for other faces: one is as large as two triangles, and to cut it takes about three vertices."""
 MISSING = 0.7
 """Share of the vertices that seem to be missing for mean and rms, which one adaptation adds."""
+LATE = 0.1
+"""When fewer faces than this share are too far off, samples that stray are drawn back in steps that move everything."""
 FEW = 0.01
 """When fewer faces than this share are too far off, triangles are split on all sides, no edge is flipped, and only what
 lies near moves."""
@@ -96,8 +98,15 @@ class Auto:
         return state.followed(self._descent.moved(part), rows)
 
     def _samples(self, state: FitState) -> Samples:
-        """What is drawn to the target between the points when everything moves."""
-        return sparse_samples(state)
+        """What is drawn to the target between the points when everything moves: near the end all that strays.
+
+        But for a mesh with outliers, which would draw the surface up the triangles that end in them.
+        """
+        spiky = self.settings.robust > 0 and not state.data.target.cloud
+        late = len(self._bad_faces(state)) <= LATE * state.surface.topology.face_count
+        return (
+            sparse_samples(state).joined(self._strays.samples(state)) if late and not spiky else sparse_samples(state)
+        )
 
     def _moved_near(self, state: FitState, focus: Flags) -> FitState:
         """Move the control vertices near some, one spot after the other, by all points and samples there."""

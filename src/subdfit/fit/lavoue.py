@@ -15,7 +15,7 @@ from subdfit.fit.auto import Auto
 from subdfit.fit.faults import Faults
 from subdfit.fit.lavoue_whole import cut_part, whole_start
 from subdfit.fit.places import Places
-from subdfit.fit.reverse import Samples, reverse_badness, strays
+from subdfit.fit.reverse import Samples, reverse_badness, sparse_samples, strays
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import badness, within
@@ -65,7 +65,7 @@ class Lavoue(Auto):
         """Those of sparse faces, and of folds: samples much farther off than the data are; all once these hold."""
         held = within(state, self.settings.tolerance)
         least = max(self._descent.bound / 2, 0.0 if held else FOLD * state.errors.rms)
-        return super()._samples(state).joined(strays(state.surface, state.data.target, least))
+        return sparse_samples(state).joined(strays(state.surface, state.data.target, least))
 
     def _moved_everywhere(self, state: FitState, final: bool) -> FitState:
         """By all points: few of them would leave large faces free to swing between."""

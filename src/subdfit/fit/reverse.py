@@ -9,7 +9,7 @@ from subdfit.closest.curves import SurfaceCurves
 from subdfit.fit.places import Places
 from subdfit.fit.state import FitState
 from subdfit.limit.surface import LimitSurface
-from subdfit.limit.tessellate import Lattice, lattice
+from subdfit.limit.tessellate import lattice
 from subdfit.measure import Tolerance, reverse_segments
 from subdfit.schemes.domain import CORNERS
 from subdfit.target.bvh import SegmentTree
@@ -17,7 +17,6 @@ from subdfit.target.target import Target
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
-Rows = NDArray[np.int64]
 
 SPARSE = 3
 """Faces and sides of curves with fewer points than this are sampled."""
@@ -37,37 +36,48 @@ class Samples:
     face, uv : (k,) int32 and (k, 2), where they lie.
     normal : (k, 3), unit vectors towards the nearest point of the target.
     gap : (k,), how far each lies off the target beyond what its faceting allows.
+    triangle : (k,) int32, the triangle of the target that holds that point.
     """
 
     face: NDArray[np.int32]
     uv: Floats
     normal: Floats
     gap: Floats
+    triangle: NDArray[np.int32]
 
     @classmethod
     def of(
-        cls, surface: LimitSurface, target: Target, face: NDArray[np.int32], uv: Floats, bound: float | None = None
+        cls,
+        surface: LimitSurface,
+        target: Target,
+        face: NDArray[np.int32],
+        uv: Floats,
+        bound: float | None = None,
+        near: NDArray[np.int32] | None = None,
     ) -> "Samples":
-        """Find the feet of samples, only of those farther off than `bound` where that is given; a cloud has none."""
+        """Find the feet of samples, only of those farther off than `bound` where that is given; a cloud has none.
+
+        `near` (k,) names a triangle likely to be near each.
+        """
         if not target.is_mesh or len(face) == 0:
             return cls.none()
         position = surface.evaluate(face, uv).position
-        found = target.tree.closest(position)
+        found = target.tree.closest(position, start=near)
         gap = found.distance - target.allowance(position, found)
         far = slice(None) if bound is None else np.flatnonzero(gap > bound)
         foot = target.on_triangles(found.triangle[far], found.uv[far])
         length = found.distance[far][:, None]
         normal = np.divide(foot - position[far], length, out=np.zeros_like(foot), where=length > TOUCHING)
-        return cls(face[far], np.ascontiguousarray(uv[far]), normal, np.maximum(gap[far], 0.0))
+        return cls(face[far], np.ascontiguousarray(uv[far]), normal, np.maximum(gap[far], 0.0), found.triangle[far])
 
     @classmethod
     def none(cls) -> "Samples":
         """No samples."""
-        return cls(np.empty(0, np.int32), np.empty((0, 2)), np.empty((0, 3)), np.empty(0))
+        return cls(np.empty(0, np.int32), np.empty((0, 2)), np.empty((0, 3)), np.empty(0), np.empty(0, np.int32))
 
     def renewed(self, surface: LimitSurface, target: Target) -> "Samples":
         """The same samples on a surface that has moved."""
-        return Samples.of(surface, target, self.face, self.uv)
+        return Samples.of(surface, target, self.face, self.uv, near=self.triangle)
 
     def __len__(self) -> int:
         """Number of samples."""
@@ -75,7 +85,7 @@ class Samples:
 
     def __getitem__(self, rows: Flags) -> "Samples":
         """Some of these."""
-        return Samples(self.face[rows], self.uv[rows], self.normal[rows], self.gap[rows])
+        return Samples(self.face[rows], self.uv[rows], self.normal[rows], self.gap[rows], self.triangle[rows])
 
     def joined(self, other: "Samples") -> "Samples":
         """These and others."""
@@ -84,6 +94,7 @@ class Samples:
             np.concatenate([self.uv, other.uv]),
             np.concatenate([self.normal, other.normal]),
             np.concatenate([self.gap, other.gap]),
+            np.concatenate([self.triangle, other.triangle]),
         )
 
 
@@ -94,9 +105,8 @@ def strays(
 
     Where `cells` (c,) are flagged, those of these alone; `segments` a cell's side, where given.
     """
-    grid = lattice(surface.domain, segments or reverse_segments(surface.domain))
-    rows = slice(None) if cells is None else _nodes_of(grid, cells)
-    return Samples.of(surface, target, grid.face[rows], grid.uv[rows], bound)
+    grid = lattice(surface.domain, segments or reverse_segments(surface.domain), cells)
+    return Samples.of(surface, target, grid.face, grid.uv, bound)
 
 
 def reverse_badness(state: FitState, tolerance: Tolerance) -> float:
@@ -106,13 +116,6 @@ def reverse_badness(state: FitState, tolerance: Tolerance) -> float:
     distance = state.data.target.tree.closest(samples).distance
     asked = ((tolerance.rms, float(np.sqrt(np.mean(distance**2)))), (tolerance.mean, float(distance.mean())))
     return max((value / bound for bound, value in asked if bound), default=0.0)
-
-
-def _nodes_of(grid: Lattice, cells: Flags) -> Rows:
-    """Vertices of the lattice in the flagged cells, their sides included."""
-    found = np.zeros(len(grid.face), np.bool_)
-    found[grid.triangles[np.repeat(cells, np.diff(grid.begin))]] = True
-    return np.flatnonzero(found)
 
 
 def inner_samples(surface: LimitSurface, target: Target, cells: NDArray[np.int64]) -> Samples:

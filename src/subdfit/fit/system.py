@@ -113,6 +113,7 @@ class System:
         self._relaxation = relaxation * self._mean
         t = surface.topology
         self._laplacian = umbrella(t.edge_vertices, t.sharpness > 0, t.vertex_count)
+        self._laplacian_t = self._laplacian.T.tocsr()
         self._normals = Places(surface).normals()
         self._control = surface.control_mesh.points
         self._free = free
@@ -133,7 +134,7 @@ class System:
         everywhere = np.concatenate([x, self._local @ x])
         out = damping * x + self._to_control(self.rows.product(everywhere))
         bent = self._laplacian @ x
-        out += self._laplacian.T @ (self._fairness * bent + self._relaxation * self._along(bent))
+        out += self._laplacian_t @ (self._fairness * bent + self._relaxation * self._along(bent))
         return np.asarray(out)
 
     def _along(self, vectors: Floats) -> Floats:
@@ -153,7 +154,7 @@ class System:
             ]
         )
         out = self._to_control(self.rows.transposed(vectors, self._points))
-        out -= self._relaxation * (self._laplacian.T @ self._along(self._laplacian @ self._control))
+        out -= self._relaxation * (self._laplacian_t @ self._along(self._laplacian @ self._control))
         return out
 
     def solve(self, damping: float, tolerance: float = 5e-2, iterations: int = 30) -> Floats:

@@ -27,17 +27,21 @@ class Lattice(NamedTuple):
     begin: NDArray[np.int64]
 
 
-def lattice(domain: Domain, segments: int) -> Lattice:
-    """Cut every cell's sides into `segments` parts; raises InputError unless that is 1 or more."""
+def lattice(domain: Domain, segments: int, some: NDArray[np.bool_] | None = None) -> Lattice:
+    """Cut the sides of all cells, or of the flagged ones (f,), into `segments` parts.
+
+    Raises InputError unless that is 1 or more.
+    """
     if segments < 1:
         raise InputError(f"a tessellation needs 1 or more segments a side, not {segments}")
-    begin = np.concatenate([[0], np.cumsum(np.where(domain.shape == QUAD, 2, 1) * segments**2)])
+    wanted = np.ones(domain.face_count, np.bool_) if some is None else some
+    begin = np.concatenate([[0], np.cumsum(np.where(domain.shape == QUAD, 2, 1) * segments**2 * wanted)])
     triangles = np.empty((begin[-1], 3), np.int64)
     face, uv = np.empty(0, np.int64), np.empty((0, 2))
     numbers = np.empty(0, np.int64)
     inner = int(domain.points.max(initial=-1)) + 1 + 4 * domain.face_count * (segments - 1)
     for shape in (TRIANGLE, QUAD):
-        cells = np.flatnonzero(domain.shape == shape)
+        cells = np.flatnonzero(wanted & (domain.shape == shape))
         nodes, cuts = grid_nodes(shape, segments), cut(shape, segments)
         rows = _weld(domain, cells, nodes, segments, inner)
         inner += len(cells) * len(nodes)
