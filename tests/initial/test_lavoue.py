@@ -214,3 +214,18 @@ def test_what_cannot_be_cut_is_refused():
     points, triangles = plate([])
     with pytest.raises(InputError, match="polygons"):
         boundary_start(points, triangles, [])
+
+
+@pytest.mark.parametrize(("turn", "inner"), [(1.5, 0.8), (2.6, 0.6)])
+def test_no_face_is_a_sliver_along_a_rim(turn, inner):
+    """The hollow rim of a winding strip: a chord along it would leave a face on the rim's other side."""
+    angle, radius = np.meshgrid(np.linspace(0, turn, 40), np.linspace(inner, 1, 12), indexing="ij")
+    points = np.stack([radius * np.cos(angle), radius * np.sin(angle), 0.3 * angle], -1).reshape(-1, 3)
+    i = np.arange(40 * 12).reshape(40, 12)
+    quads = np.stack([i[:-1, :-1], i[:-1, 1:], i[1:, 1:], i[1:, :-1]], -1).reshape(-1, 4)
+    triangles = np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]])
+    mesh = boundary_start(points, triangles, polygons(points, triangles, 1e-3))
+    for corners in (mesh.points[face] for face in corners_of(mesh)):
+        longest = np.linalg.norm(np.roll(corners, 1, axis=0) - corners, axis=1).max()
+        area = np.cross(corners, np.roll(corners, -1, axis=0)).sum(axis=0)[2] / 2
+        assert area > 0.05 * longest**2

@@ -12,6 +12,8 @@ from subdfit.initial.lavoue_convex import convex_parts, is_convex
 Floats = NDArray[np.float64]
 Ring = list[int]
 
+_THIN = 0.15
+"""Height of what a chord cuts off, as a share of the chord, from which it is more than a sliver along a curve."""
 _LOOKED_AT = 24
 """Chords of a contour, the best by Dijkstra's paths, whose geodesics are looked at."""
 
@@ -92,6 +94,8 @@ class Cutting:
         chords = [chord for chord in chords if self._leaves_faces(ring, *chord)]
         if not chords:
             return None
+        height = _heights(self.limits[ring])
+        chords = [chord for chord in chords if min(height[chord], height[chord[::-1]]) > _THIN] or chords
         key = {chord: (min(ring[chord[0]], ring[chord[1]]), max(ring[chord[0]], ring[chord[1]])) for chord in chords}
         chords.sort(key=lambda chord: (self._rough[key[chord]], chord))
         if self.contour.surface.paths == "dijkstra":
@@ -116,3 +120,20 @@ class Cutting:
         score, length = surface.scores(surface.find(ends))
         rounded = np.round(score, 6).tolist()
         self._fine.update(zip(fresh, zip(rounded, length.tolist(), strict=True), strict=True))
+
+
+def _heights(points: Floats) -> Floats:
+    """How far what lies between two places of a ring, from the first on, is off their chord at most, in chords, (n, n).
+
+    Points along a curve make slivers: their chord follows the line of curvature that the curve is, or leaves the
+    surface on the curve's hollow side.
+    """
+    n = len(points)
+    found = np.zeros((n, n))
+    for i in range(n):
+        ahead = np.roll(points, -i, axis=0) - points[i]
+        length = np.maximum(np.linalg.norm(ahead, axis=1), 1e-300)
+        off = np.linalg.norm(np.cross(ahead[:, None], ahead[None]), axis=2) / length[None]
+        off[np.arange(n)[:, None] > np.arange(n)[None]] = 0.0
+        found[i] = np.roll(off.max(axis=0) / length, i)
+    return found
