@@ -71,6 +71,17 @@ def test_a_torus_is_fitted_without_creases():
     assert len(result.control_mesh.to_data().crease_edges) == 0
 
 
+def test_sheets_that_fell_together_are_not_certified():
+    """A disk thinner than the tolerance: as one flat sheet it lies within it, and is a disk no more."""
+    disk = trimesh.creation.cylinder(0.5, 0.004, sections=64).subdivide_to_size(0.1)
+    mesh = np.asarray(disk.vertices), np.asarray(disk.faces)
+    for method in ("lavoue", "auto"):
+        result = subdfit.fit(mesh, scheme="quad-triangle", method=method, max_error="1%")
+        surface = subdfit.LimitSurface(result.control_mesh).tessellate(3)
+        volume = trimesh.Trimesh(surface.points, surface.triangles, process=False).volume
+        assert result.certified == (volume > 0.5 * disk.volume)
+
+
 def test_open_parts_keep_their_boundary(meshes):
     result = lavoue(meshes / "cylinder.ply", max_error="1%")
     topology = result.control_mesh.topology

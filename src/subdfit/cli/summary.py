@@ -15,6 +15,15 @@ VERDICTS = {
 }
 
 
+def verdict_on(found: "FitResult | Comparison") -> str:
+    """How a result stands to what was asked."""
+    if found.certified:
+        return "certified"
+    if found.measurement.sheets_fell_together:
+        return "not certified, thin sheets have fallen together: ask for an error below their thickness"
+    return VERDICTS[found.status or "best_effort"]
+
+
 def error_text(share: float, diagonal: float, unit: str | None) -> str:
     """An error in per cent of the diagonal and in the unit."""
     return f"{100 * share:.4g} % ({share * diagonal:.4g} {unit or 'units'})"
@@ -23,7 +32,7 @@ def error_text(share: float, diagonal: float, unit: str | None) -> str:
 def fit_line(result: "FitResult") -> str:
     """One line on a fit."""
     m, unit = result.measurement, result.unit
-    verdict = "certified" if result.certified else VERDICTS[result.status]
+    verdict = verdict_on(result)
     return (
         f"{counted(result.control_mesh.topology.vertex_count, 'control vertex')}, {verdict}: "
         f"E_max {error_text(m.max, m.diagonal, unit)}, E_rms {error_text(m.rms, m.diagonal, unit)}, "
@@ -34,7 +43,7 @@ def fit_line(result: "FitResult") -> str:
 def picture_title(result: "FitResult") -> str:
     """What is written over a picture."""
     m = result.measurement
-    verdict = "certified" if result.certified else VERDICTS[result.status]
+    verdict = verdict_on(result)
     return (
         f"{counted(result.control_mesh.topology.vertex_count, 'control vertex')}, {verdict}: "
         f"largest error {error_text(m.max, m.diagonal, result.unit)}"
@@ -56,7 +65,7 @@ def measure_table(found: "Comparison") -> str:
     counts = f"{counted(topology.vertex_count, 'control vertex')}, {counted(topology.face_count, 'face')}"
     tail = [f"diagonal {m.diagonal:.6g} {unit or 'units'}, largest error {m.max * m.diagonal:.4g} {unit or 'units'}"]
     if found.status is not None:
-        tail.append("certified" if found.certified else VERDICTS[found.status])
+        tail.append(verdict_on(found))
     return "\n".join(
         [
             f"{counts}, {found.control_mesh.scheme}",

@@ -13,6 +13,7 @@ from subdfit.closest.curves import SurfaceCurves
 from subdfit.closest.projection import Projection, Projector
 from subdfit.limit.surface import LimitSurface
 from subdfit.limit.tessellate import lattice
+from subdfit.measure.facing import MOST_AWAY, share_facing_away
 from subdfit.measure.outliers import NO_OUTLIERS, Outliers, outliers
 from subdfit.schemes.domain import QUAD, Domain
 from subdfit.target.sampling import face_samples
@@ -63,6 +64,8 @@ class Measurement:
         reverse side, of a cloud, whose faces are our own making, those beyond their allowance.
     footpoints : of the data points, in the normalised frame.
     diagonal : in the caller's unit.
+    facing_away : share of the surface's area that faces against the target there: sheets of a thin part that have
+        fallen together, though they lie within the tolerance.
     excluded : rows of `footpoints` that max, rms and mean leave out as outliers.
     """
 
@@ -80,6 +83,7 @@ class Measurement:
     reverse_held: tuple[float, float]
     footpoints: Projection
     diagonal: float
+    facing_away: float = 0.0
     excluded: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
 
     def meets(self, tolerance: Tolerance) -> bool:
@@ -87,12 +91,17 @@ class Measurement:
         inside = tolerance.max is None or self.samples_excess <= tolerance.max
         return inside and tolerance.met(self.max, self.rms, self.mean)
 
+    @property
+    def sheets_fell_together(self) -> bool:
+        """Whether so much faces away that the surface is no longer the target's."""
+        return self.facing_away > MOST_AWAY
+
     def certifies(self, tolerance: Tolerance) -> bool:
-        """Whether the surface lies within the tolerance on both sides.
+        """Whether the surface lies within the tolerance on both sides, and faces where the target does.
 
         Where no largest error is asked, the reverse side is held to the mean and rms (see `reverse_held`).
         """
-        if not self.meets(tolerance):
+        if not self.meets(tolerance) or self.sheets_fell_together:
             return False
         bound = tolerance.max
         if bound is None:
@@ -122,7 +131,7 @@ def measure(
     data = projector.certain(target.points[target.used])
     excluded = outliers(data.distance, allowed.share, allowed.bound)
     distance = np.delete(data.distance, excluded)
-    reverse, allowance = _reverse(surface, target)
+    reverse, allowance, facing_away = _reverse(surface, target)
     rms, mean = _rms_and_mean(distance)
     reverse_rms, reverse_mean = _rms_and_mean(reverse)
     held = np.maximum(reverse - allowance, 0.0) if target.cloud else reverse
@@ -141,6 +150,7 @@ def measure(
         reverse_held=_rms_and_mean(held),
         footpoints=data,
         diagonal=diagonal,
+        facing_away=facing_away,
         excluded=excluded,
     )
 
@@ -160,14 +170,17 @@ def _rms_and_mean(distance: Floats) -> tuple[float, float]:
     return float(np.sqrt(np.mean(distance**2))), float(distance.mean())
 
 
-def _reverse(surface: LimitSurface, target: Target) -> tuple[Floats, Floats]:
-    """Distances of surface samples from the target, a cloud's triangles included, and the allowance of each."""
+def _reverse(surface: LimitSurface, target: Target) -> tuple[Floats, Floats, float]:
+    """Distances of surface samples from the target, a cloud's triangles included, the allowance of each, and the share
+    of the surface that faces away.
+    """
     grid = lattice(surface.domain, reverse_segments(surface.domain))
     samples = surface.evaluate(grid.face, grid.uv).position
     if not target.is_mesh:
-        return target.nearest_point(samples), np.zeros(len(samples))
+        return target.nearest_point(samples), np.zeros(len(samples)), 0.0
     found = target.tree.closest(samples)
-    return found.distance, target.allowance(samples, found)
+    away = share_facing_away(samples, grid.triangles, target, found.triangle)
+    return found.distance, target.allowance(samples, found), away
 
 
 def _samples_excess(projector: Projector, target: Target, spacing: float) -> float:

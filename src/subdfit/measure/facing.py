@@ -1,0 +1,41 @@
+"""Whether a surface faces where its target does: sheets of a thin part may fall together within the tolerance."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subdfit.target.normals import face_normals
+from subdfit.target.target import Target
+
+Floats = NDArray[np.float64]
+
+AWAY = -0.3
+"""Cosine below which a triangle faces away from the target: across sharp edges 0 is met by chance."""
+MOST_AWAY = 0.02
+"""Share of the area from which a surface is no longer the target's. In sound fits .002 at most faces away, in those of
+thin disks and lenses whose sheets had fallen together .047 and more."""
+
+
+def share_facing_away(
+    samples: Floats, triangles: NDArray[np.int32], target: Target, nearest: NDArray[np.int32]
+) -> float:
+    """Share of a surface's area that faces against the target at all three corners; 0 for a cloud.
+
+    Parameters
+    ----------
+    samples, triangles : the surface's triangulation.
+    target : a mesh.
+    nearest : (len(samples),), the target's triangle that each sample meets.
+
+    Returns
+    -------
+    At most a half: a surface that is inside out as a whole faces the right way.
+    """
+    if target.cloud or not target.is_mesh:
+        return 0.0
+    a, b, c = (samples[corner] for corner in triangles.T)
+    normal = np.cross(b - a, c - a)
+    area = np.linalg.norm(normal, axis=1)
+    facing = face_normals(target.points, target.triangles)[nearest[triangles]]
+    away = np.all(np.einsum("kd,kcd->kc", normal, facing) < AWAY * area[:, None], axis=1)
+    share = float(area[away].sum() / max(area.sum(), 1e-300))
+    return min(share, 1 - share)
