@@ -103,7 +103,8 @@ def measure(
         As for `subdfit.fit`; the reverse side of a cloud is measured to the surface through its points, or to the
         points themselves where there is none.
     scheme
-        Overrides the control mesh's own; None takes that, else Loop for triangles.
+        Overrides the control mesh's own; None takes that, else Loop where all faces are triangles, Catmull-Clark
+        elsewhere.
     creases, repair, keep_components, fill_holes, threads, memory
         As for `subdfit.fit`.
 

@@ -24,7 +24,7 @@ def subdivide(
     levels
         How many times; 0 gives the mesh itself.
     scheme
-        Overrides the mesh's own; None takes that, else Loop for triangles.
+        Overrides the mesh's own; None takes that, else Loop where all faces are triangles, Catmull-Clark elsewhere.
     limit
         Put the refined vertices on the limit surface. The result is then no control mesh of that surface any more, and
         names no scheme.

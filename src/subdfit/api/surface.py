@@ -43,7 +43,7 @@ class LimitSurface(limit.LimitSurface):
     control_mesh
         A `ControlMesh`, or anything one is made of: a path, ``(vertices, faces)``, a trimesh or PyVista object.
     scheme
-        A scheme's name; None takes the mesh's own, else Loop.
+        A scheme's name; None takes the mesh's own, else Loop where all faces are triangles, Catmull-Clark elsewhere.
 
     Raises
     ------

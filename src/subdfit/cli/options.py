@@ -62,7 +62,10 @@ def add_quiet(parser: Any) -> None:
 def add_scheme(parser: argparse.ArgumentParser) -> None:
     """Add the scheme of a control mesh that is read."""
     parser.add_argument(
-        "--scheme", choices=SCHEMES, help="overrides what the file says (default: the file's, else loop for triangles)"
+        "--scheme",
+        choices=SCHEMES,
+        help="overrides what the file says (default: the file's, else loop if all faces are triangles, else "
+        "catmull-clark)",
     )
 
 

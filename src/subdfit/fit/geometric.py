@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 
 from subdfit.closest.projection import Projector, corner_weights
 from subdfit.fit.adapt import refined
-from subdfit.fit.faults import Faults, all_sides
+from subdfit.fit.faults import Faults, all_sides, curve_sides
 from subdfit.fit.held import boundary_held
 from subdfit.fit.places import Places
+from subdfit.fit.reverse import Samples
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FOOTPOINT_TOLERANCE, FitState
-from subdfit.fit.stop import within
+from subdfit.fit.stop import CURVE_FACTOR, within
+from subdfit.fit.strays import Strays
 from subdfit.limit.surface import LimitSurface
 
 Floats = NDArray[np.float64]
@@ -31,7 +33,10 @@ BESIDE = 1e-9
 
 
 class Geometric:
-    """Nishiyama's algorithm as printed; the boundary step, over-relaxation and momentum are ours."""
+    """Nishiyama's algorithm as printed until the data are within tolerance.
+
+    The boundary step, what is done about strays after that, over-relaxation and momentum are ours.
+    """
 
     patience = 24
 
@@ -41,6 +46,7 @@ class Geometric:
         self._momentum = 1.0
         self._before: Floats | None = None
         self._settled: NDArray[np.bool_] | None = None
+        self._strays = Strays(settings.tolerance.max)
 
     def advance(self, state: FitState) -> FitState:
         """One iteration: insertion when due, displacement, new footpoints."""
@@ -52,8 +58,8 @@ class Geometric:
         return self.recompute_footpoints(start, points)
 
     def stray(self, state: FitState) -> float:
-        """The paper knows no reverse side."""
-        return 0.0
+        """How far samples of the surface lie off the target at most, in tolerances."""
+        return self._strays.worst(state)
 
     def displacements(self, state: FitState) -> Floats:
         """Displacement of each control vertex, (n, 3): equations 3 and 4. Where the weights sum to zero it is zero."""
@@ -62,11 +68,18 @@ class Geometric:
         inside = np.arange(len(error))
         if self.settings.boundary_step:
             inside = np.flatnonzero(state.data.surface_rows)
-        pulls = influence(surface, state.face[inside], state.uv[inside])
-        displacement = weighted_means(pulls, error[inside])
+        samples = self._samples(state)
+        face = np.concatenate([state.face[inside], samples.face])
+        pulls = influence(surface, face, np.concatenate([state.uv[inside], samples.uv]))
+        errors = np.concatenate([error[inside], samples.gap[:, None] * samples.normal])
+        displacement = weighted_means(pulls, errors)
         if self.settings.boundary_step or self.settings.fixed_boundary:
-            self.curve_displacements(state, displacement, pulls, error[inside])
+            self.curve_displacements(state, displacement, pulls, errors)
         return displacement
+
+    def _samples(self, state: FitState) -> Samples:
+        """What is drawn to the target like data, once these are within tolerance: samples that stray between them."""
+        return self._strays.samples(state) if within(state, self.settings.tolerance) else Samples.none()
 
     def curve_displacements(
         self, state: FitState, displacement: Floats, surface_pulls: sp.csr_array, error: Floats
@@ -133,8 +146,6 @@ class Geometric:
         self._before, self._momentum = None, 1.0
         tolerance = self.settings.tolerance
         state = state.refreshed(tolerance.max or 0.0)
-        if within(state, tolerance):
-            return state
         chosen = self._faces_to_split(state)
         budget = self.settings.max_control_vertices
         if not len(chosen) or (budget is not None and state.surface.topology.vertex_count >= budget):
@@ -143,11 +154,17 @@ class Geometric:
         return boundary_held(finer, self.settings) if self.settings.fixed_boundary else finer
 
     def _faces_to_split(self, state: FitState) -> NDArray[np.int64]:
-        """Where the error does not become small enough: the face maximum, or its mean where only that is asked."""
+        """Where the error does not become small enough: the face maximum, or its mean where only that is asked.
+
+        Once it is, where the surface strays between the data.
+        """
         tolerance, errors, faults = self.settings.tolerance, state.errors, Faults.of(state)
+        if within(state, tolerance):
+            return self._strays.to_cut(state, self._strays.faces(state))
         chosen = np.zeros(len(faults.count), np.bool_)
         if tolerance.max is not None:
             chosen |= faults.maximum > tolerance.max
+            chosen[state.surface.topology.face[curve_sides(state, CURVE_FACTOR * tolerance.max)]] = True
         if not replace(tolerance, max=None).met(errors.max, errors.rms, errors.mean):
             mean = faults.sums / np.maximum(faults.count, 1)
             chosen[np.argsort(-mean, kind="stable")[: max(1, len(chosen) // 20)]] = True
