@@ -231,6 +231,19 @@ def test_facets_do_not_depend_on_slabs(monkeypatch, name):
     np.testing.assert_allclose(whole.radii[order[0]], parts.radii[order[1]], rtol=1e-9)
 
 
+@pytest.mark.parametrize("name", ["sphere", "torus"])
+def test_fillers_change_no_facet(monkeypatch, name):
+    """They only spare Qhull large empty spheres with many points on each."""
+    points = ascending(CLOUDS[name][0])
+    largest = 2 * spacing(points)
+    filled = small_facets(points, largest)
+    monkeypatch.setattr("subdfit.initial.delaunay._fillers", lambda points, reach: np.empty((0, 3)))
+    plain = small_facets(points, largest)
+    order = [np.lexsort(facets.corners.T[::-1]) for facets in (filled, plain)]
+    np.testing.assert_array_equal(filled.corners[order[0]], plain.corners[order[1]])
+    np.testing.assert_allclose(filled.radii[order[0]], plain.radii[order[1]], rtol=1e-9)
+
+
 def ascending(points):
     """Return points in the order of their coordinates."""
     return points[np.lexsort(points.T[::-1])]
