@@ -110,7 +110,7 @@ def _facets_of(points: Floats, largest: Floats, begin: int, end: int) -> tuple[N
 
 
 def _fillers(points: Floats, reach: Floats) -> Floats:
-    """Points spread evenly through the space farther from all points than their `reach`, (n,): the diameters of spheres.
+    """Points spread evenly through the space that is farther from all points than their `reach`, (n,), two radii.
 
     No sphere that is small enough holds one of them, so that they change neither the facets nor their radii. But the
     tubes and cylinders of machines have many points on each of many large empty spheres, and without fillers Qhull
@@ -120,7 +120,7 @@ def _fillers(points: Floats, reach: Floats) -> Floats:
         return np.empty((0, 3))
     size = np.maximum(np.ptp(points, axis=0), np.median(reach))
     number = np.maximum(np.round(size * np.cbrt(FILLERS * len(points) / size.prod())), 1).astype(np.int64)
-    lattice = np.stack(np.indices(number).reshape(3, -1), axis=1)
+    lattice = np.indices(number.tolist()).reshape(3, -1).T
     moved = lattice + 0.5 + JITTER * (np.random.default_rng(0).random(lattice.shape) - 0.5)
     places = points.min(axis=0) + moved * size / number
     near = cKDTree(places).query_ball_point(points, reach)
