@@ -140,6 +140,16 @@ def test_outliers_are_left_out_and_named():
     np.testing.assert_array_equal(found.left_out, 1500 + np.arange(len(away)))
 
 
+def test_outliers_by_the_hundred_make_no_surface_of_their_own():
+    """One point in a hundred astray by a twentieth of the size: near enough for large triangles from one to another."""
+    points, rng = clouds.torus(20000), np.random.default_rng(7)
+    astray = rng.permutation(20000)[:200]
+    points[astray] += 0.45 * rng.standard_normal((200, 3))
+    found = reconstruct(points)
+    assert shape_of(len(found.points), found.triangles).components == 1
+    assert np.isin(found.left_out, astray).all()
+
+
 def test_noise_below_the_spacing_does_no_harm():
     points = clouds.torus(3000)
     noisy = points + 0.01 * np.random.default_rng(4).standard_normal(points.shape)

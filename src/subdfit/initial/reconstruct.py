@@ -12,7 +12,7 @@ from subdfit.initial.delaunay import small_facets, spacing
 from subdfit.initial.distinct import distinct, normalised
 from subdfit.initial.holes import fill_holes
 from subdfit.initial.normals import known_normals
-from subdfit.initial.orient import oriented_outward
+from subdfit.initial.orient import components_of, oriented_outward
 from subdfit.initial.reconstruct_cgal import cgal_triangles
 
 Floats = NDArray[np.float64]
@@ -61,7 +61,16 @@ def greedy_triangles(points: Floats, gap: float) -> Rows:
     triangles = np.empty((len(facets.radii), 3), np.int64)
     state = np.zeros(len(points), np.int8)
     count = grow(seeds, facets.points, facets.corners, facets.offsets, facets.at, facets.radii, state, triangles)
-    return triangles[:count].copy()
+    return _dense(points, triangles[:count], SPARSEST * float(np.median(distance)))
+
+
+def _dense(points: Floats, triangles: Rows, longest: float) -> Rows:
+    """Leave out the components of which most triangles are longer than that: they join outliers."""
+    component, count = components_of(triangles, len(points))
+    corners = points[triangles]
+    length = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    long = np.bincount(component, length > longest, count) > 0.5 * np.bincount(component, minlength=count)
+    return triangles[~long[component]].copy()
 
 
 ENGINES: dict[str, Callable[[Floats, float], Rows]] = {"greedy": greedy_triangles, "cgal": cgal_triangles}
