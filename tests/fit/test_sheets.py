@@ -6,7 +6,7 @@ import trimesh
 
 import subdfit
 from subdfit.fit.data import FitData
-from subdfit.fit.sheets import mixed_share
+from subdfit.fit.sheets import mixed
 from subdfit.fit.state import FitState
 from subdfit.limit.surface import LimitSurface
 from subdfit.mesh.control_mesh import ControlMesh
@@ -19,7 +19,7 @@ def test_the_share_of_a_ball_inside_out_is_one(turned: bool) -> None:
     faces = np.asarray(coarse.faces)
     mesh = ControlMesh.from_triangles(coarse.vertices, faces[:, ::-1] if turned else faces)
     data = FitData.of(mesh_target(ball.vertices, ball.faces), 1.0)
-    assert mixed_share(FitState.start(data, LimitSurface(mesh, "loop"))) == pytest.approx(float(turned))
+    assert mixed(FitState.start(data, LimitSurface(mesh, "loop"))).share == pytest.approx(float(turned))
 
 
 @pytest.mark.parametrize("scheme", ["loop", "doo-sabin"])
@@ -28,3 +28,15 @@ def test_a_casting_of_thin_plates_is_certified(meshes, scheme: str) -> None:
     result = subdfit.fit(meshes / "casting.ply", max_error="0.3%", scheme=scheme)
     assert result.certified
     assert result.history[0].control_vertices > 0.05 * 5096
+
+
+def test_sheets_are_parted_where_they_mix_and_nowhere_else() -> None:
+    """A ball that runs out into a plate, three thousandths as thick: its start is not made finer all over."""
+    ball = trimesh.creation.icosphere(5)
+    points = np.array(ball.vertices)
+    thickness = 0.003 + 0.997 / (1 + np.exp(np.clip(12 * points[:, 0], -50, 50)))
+    points[:, 2] *= thickness
+    points[:, 0] += 3 * np.maximum(points[:, 0], 0)
+    result = subdfit.fit((points, ball.faces), max_error="0.1%", creases="none")
+    assert result.certified
+    assert 1.05 * 512 < result.history[0].control_vertices < 1.5 * 512

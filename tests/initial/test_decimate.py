@@ -82,6 +82,15 @@ def test_error_on_a_sphere_falls_with_the_number_of_vertices():
     assert (rates < 1.25).all(), rates
 
 
+def test_weights_of_eight_leave_twice_the_vertices():
+    points, triangles = laws.sphere(5)
+    upper = points[:, 2] > 0
+    even, uneven = (decimate(points, triangles, 600, weights=np.where(upper, w, 1.0)) for w in (1.0, 8.0))
+    shares = [np.mean(result.points[:, 2] > 0) for result in (even, uneven)]
+    assert shares[0] == pytest.approx(1 / 2, abs=0.03)
+    assert shares[1] == pytest.approx(2 / 3, abs=0.03)
+
+
 def test_faces_point_outwards_still():
     points, triangles = laws.sphere(4)
     for target in (400, 60, 8):
@@ -220,6 +229,8 @@ def test_surface_stays_as_close_as_the_reference_decimation(meshes):
         ({"target": 2}, "at least 3"),
         ({"max_valence": 5}, "max_valence"),
         ({"corners": [99]}, "corner"),
+        ({"weights": [1.0, 2.0]}, "6 positive numbers"),
+        ({"weights": [1, 1, 1, 1, 1, 0]}, "6 positive numbers"),
         ({"crease_edges": [[0, 5]]}, "crease"),
         ({"points": np.full((6, 3), np.nan)}, "not finite"),
         ({"points": np.zeros((6, 2))}, "shape"),

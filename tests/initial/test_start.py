@@ -1,10 +1,12 @@
 """First control meshes for fits: what the scheme takes, whatever the target is like."""
 
 import numpy as np
+import trimesh
 
 import subdfit
 from subdfit.initial.start import start_mesh
 from subdfit.limit import LimitSurface
+from subdfit.target.bvh import TriangleTree
 from subdfit.target.target import mesh_target
 
 BACK_TO_BACK = np.array([[0, 1, 2], [0, 2, 1]])
@@ -42,3 +44,15 @@ def test_a_part_with_faces_back_to_back_is_fitted():
     result = subdfit.fit(with_a_sheet(), max_error="1%", creases="none")
     assert result.status == "within_tolerance"
     assert result.certified
+
+
+def test_a_small_detail_makes_the_start_finer_there_alone():
+    """A needle on a ball, which a start as coarse as the ball allows would cut off."""
+    fine = trimesh.creation.icosphere(6)
+    points = np.array(fine.vertices)
+    beside = np.linalg.norm(points - points[7], axis=1)
+    points *= 1 + 0.15 * np.exp(-((beside / 0.03) ** 2))[:, None]
+    mesh, smooth = (start_mesh(mesh_target(p, fine.faces, creases="none"), None, 1e-3) for p in (points, fine.vertices))
+    distance = TriangleTree(mesh.points, mesh.topology.triangles).closest(points).distance
+    assert distance.max() <= 4e-3
+    assert len(mesh.points) < 1.2 * len(smooth.points)

@@ -34,7 +34,7 @@ MISSING = 0.7
 """Share of the vertices that seem to be missing for mean and rms, which one adaptation adds."""
 LATE = 0.1
 """When fewer faces than this share are too far off, samples that stray are drawn back in steps that move everything."""
-FEW = 0.01
+FEW = 0.003
 """When fewer faces than this share are too far off, triangles are split on all sides, no edge is flipped, and only what
 lies near moves."""
 LAST = 2

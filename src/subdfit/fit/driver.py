@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from subdfit.compiled import compile_clock
 from subdfit.errors import InputError
@@ -18,11 +19,11 @@ from subdfit.fit.held import boundary_held
 from subdfit.fit.lavoue import Lavoue, lavoue_start
 from subdfit.fit.result import FitResult, Iteration, Status
 from subdfit.fit.settings import FitSettings
-from subdfit.fit.sheets import mixes_sheets
+from subdfit.fit.sheets import mixed_sheets
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import badness, error_that_matters, within
 from subdfit.fit.thinning import Thinning
-from subdfit.initial.start import LARGEST_SHARE, start_mesh
+from subdfit.initial.start import DOUBLING, LARGEST_SHARE, REFININGS, start_mesh
 from subdfit.limit.surface import LimitSurface
 from subdfit.measure import Measurement, Outliers, measure
 from subdfit.mesh.control_mesh import ControlMesh
@@ -214,25 +215,35 @@ def _thinned(run: _Run, state: FitState, measurement: Measurement, fitter: Fitte
     return state, measurement
 
 
-def _started(target: Target, settings: FitSettings) -> tuple[Target, ControlMesh]:
-    """The target as its method sees it, and the first control mesh."""
+def _started(
+    target: Target, settings: FitSettings, weights: NDArray[np.float64] | None = None
+) -> tuple[Target, ControlMesh]:
+    """The target as its method sees it, and the first control mesh; see `start_mesh` for the weights."""
     if settings.method == "lavoue":
         return lavoue_start(target, settings)
     scale = settings.tolerance.max or error_that_matters(settings.tolerance)
     budget, faces = settings.max_control_vertices, scheme_named(settings.scheme).faces
-    return target, start_mesh(target, settings.control_vertices, scale, budget, faces)
+    return target, start_mesh(target, settings.control_vertices, scale, budget, faces, weights)
 
 
 def _parted(run: _Run, state: FitState) -> FitState:
-    """The first state; with twice the control vertices, and again, where it would mix up the sheets of thin parts."""
+    """The first state; with more control vertices, and again, where it would mix up the sheets of thin parts."""
     settings, state = run.settings, run.excused(state)
-    chosen = settings.method != "lavoue" and settings.control_vertices is None
+    if settings.method == "lavoue" or settings.control_vertices is not None:
+        return state
     most = min(LARGEST_SHARE * len(run.target.used), settings.max_control_vertices or np.inf)
-    while chosen and 2 * state.surface.topology.vertex_count <= most:
-        if not mixes_sheets(state, METHODS[settings.method](settings)):
+    weights = np.ones(len(run.target.points))
+    for _ in range(REFININGS):
+        found = mixed_sheets(state, METHODS[settings.method](settings))
+        if found is None:
             break
-        finer = replace(settings, control_vertices=2 * state.surface.topology.vertex_count)
-        mesh = _started(state.data.target, finer)[1]
+        mesh = state.surface.control_mesh
+        wanted = len(mesh.points) + int(found.near(mesh.points).sum())
+        if wanted > most:
+            break
+        weights[found.near(state.data.target.points)] *= DOUBLING
+        finer = replace(settings, control_vertices=wanted)
+        mesh = _started(state.data.target, finer, weights)[1]
         state = run.excused(FitState.start(state.data, LimitSurface(mesh, settings.scheme)))
     return state
 

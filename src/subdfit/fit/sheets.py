@@ -1,34 +1,66 @@
 """Whether a surface keeps the sheets of thin parts apart: where it does not, it faces the wrong way."""
 
+from dataclasses import dataclass
+
 import numpy as np
+from numpy.typing import NDArray
 
 from subdfit.fit.fitter import Fitter
 from subdfit.fit.state import FitState
+from subdfit.initial.reach import within_reach
 from subdfit.limit.tessellate import lattice
 
 SEGMENTS = 2
 """Segments a cell side into which the surface is cut to see where it faces."""
-DOUBTFUL, MIXED = 0.0005, 0.001
-"""Shares of the surface that face the wrong way: from the first on one round of a fit shows whether they come right,
-and if more than the second is left, the control mesh is too coarse to part the sheets. Of nine models, sound starts
-left .0005 at most, and those whose fits could not be certified .002 and more."""
+MIXED = 0.0005
+"""Share of the surface that faces the wrong way from which, if it does after a round of a fit as well, the control mesh
+is too coarse there to part the sheets. Of nine models, sound starts left so much at most, and those whose fits could
+not be certified .002 and more."""
+REACH = 3.0
+"""Within how many cell sides of such places it is made finer: the sheets on both sides, and what leads up to them."""
 
 
-def mixed_share(state: FitState) -> float:
-    """Share of the surface's area that faces against the target's nearest face; 0 for a cloud."""
+@dataclass(frozen=True, eq=False)
+class Mixed:
+    """Where a surface faces against the target's nearest face.
+
+    Attributes
+    ----------
+    share : of the surface's area.
+    places : (k, 3), points there.
+    reach : (k,), how far round each more control vertices are needed to keep the sheets apart.
+    """
+
+    share: float
+    places: NDArray[np.float64]
+    reach: NDArray[np.float64]
+
+    def near(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Which of some points, (n, 3), lie within reach."""
+        return within_reach(points, self.places, self.reach)
+
+
+def mixed(state: FitState) -> Mixed:
+    """Find where the surface faces the wrong way; nowhere for a cloud."""
     target, surface = state.data.target, state.surface
     if target.cloud:
-        return 0.0
+        return Mixed(0.0, np.empty((0, 3)), np.empty(0))
     grid = lattice(surface.domain, SEGMENTS)
     corners = surface.evaluate(grid.face, grid.uv).position[grid.triangles]
-    nearest = target.tree.closest(corners.mean(axis=1)).triangle
+    middle = corners.mean(axis=1)
+    nearest = target.tree.closest(middle).triangle
     own, other = (
         np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]) for p in (corners, target.points[target.triangles[nearest]])
     )
     area = np.linalg.norm(own, axis=1)
-    return float(area[np.sum(own * other, axis=1) < 0].sum() / max(area.sum(), 1e-300))
+    wrong = np.sum(own * other, axis=1) < 0
+    reach = REACH * SEGMENTS * np.sqrt(area[wrong])
+    return Mixed(float(area[wrong].sum() / max(area.sum(), 1e-300)), middle[wrong], reach)
 
 
-def mixes_sheets(state: FitState, fitter: Fitter) -> bool:
-    """Whether the surface mixes sheets up, and a round by a fitter, made for this, does not mend it."""
-    return mixed_share(state) > DOUBTFUL and mixed_share(fitter.advance(state)) > MIXED
+def mixed_sheets(state: FitState, fitter: Fitter) -> Mixed | None:
+    """Where the surface mixes sheets up and a round by a fitter, made for this, does not mend it; None if it does."""
+    if mixed(state).share <= MIXED:
+        return None
+    found = mixed(fitter.advance(state))
+    return found if found.share > MIXED else None

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from subdfit.errors import InputError
 from subdfit.initial.decimate import Decimated, decimate
 from subdfit.initial.pairing import pair_triangles
+from subdfit.initial.reach import within_reach
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.schemes.scheme import Faces
 from subdfit.target.bvh import TriangleTree
@@ -28,6 +29,9 @@ COARSEST = 10.0
 """A mesh of the largest share that lies off by more tolerances than this is too coarse."""
 LARGEST_SHARE = 0.25
 """Share of the points at which doubling ends."""
+REFININGS, REACH, DOUBLING = 5, 1.5, 8.0
+"""Most times that the mesh is made finer at places where it does not do; within how many sides of the triangles there;
+and by how much more points weigh there each time: a mesh of n vertices errs by about n^-3, so that n doubles."""
 
 
 def start_mesh(
@@ -36,6 +40,7 @@ def start_mesh(
     max_error: float | None,
     budget: int | None = None,
     faces: Faces = "triangles",
+    weights: Floats | None = None,
 ) -> ControlMesh:
     """Decimate the target; join the triangles in pairs where the scheme takes quads.
 
@@ -53,6 +58,8 @@ def start_mesh(
         Most vertices that are chosen here; None is unbounded.
     faces
         What the scheme takes.
+    weights
+        What an error at each of the target's points counts, (n,), where `vertices` are given; see `decimate`.
 
     Raises
     ------
@@ -66,7 +73,8 @@ def start_mesh(
     row[used] = np.arange(len(used))
     points, triangles, creases = target.points[used], row[target.triangles], row[target.crease_edges]
     if vertices is not None:
-        found = decimate(points, triangles, vertices, crease_edges=creases)
+        some = None if weights is None else weights[used]
+        found = decimate(points, triangles, vertices, crease_edges=creases, weights=some)
     else:
         found = _coarse_enough(points, triangles, creases, max_error or 1e-3, budget or len(points))
     if found.message:
@@ -104,18 +112,39 @@ def _coarsened(points: Floats, found: Decimated, distance: Floats, bound: float)
     # Where much is curved, errors fall as vertices grow; where little is, far more steeply.
     wanted = max(4, round(LEAST_SHARE * len(points)), int(_strain(distance, bound) * wanted))
     while wanted < len(finest.points):
-        coarse = decimate(
-            finest.points, finest.triangles, wanted, crease_edges=finest.crease_edges, corners=finest.corners
-        )
+        coarse = _decimated(finest, wanted, np.ones(len(finest.points)))
         if _strain(_distances(points, coarse), bound) <= 1:
-            return coarse
+            return _finer_where_far(points, finest, coarse, FARTHEST * bound)
         wanted = int(GROWTH * wanted) + 1
     return finest
 
 
+def _finer_where_far(points: Floats, finest: Decimated, coarse: Decimated, bound: float) -> Decimated:
+    """The coarse mesh with more vertices where points lie off by more than a bound, the finest if that is no help."""
+    weights = np.ones(len(finest.points))
+    for _ in range(REFININGS):
+        found = TriangleTree(coarse.points, coarse.triangles).closest(points)
+        far = np.flatnonzero(found.distance > bound)
+        if len(far) == 0:
+            return coarse
+        corners = coarse.points[coarse.triangles[found.triangle[far]]]
+        reach = REACH * np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+        weights[within_reach(finest.points, points[far], reach)] *= DOUBLING
+        wanted = len(coarse.points) + int(within_reach(coarse.points, points[far], reach).sum())
+        if wanted >= len(finest.points):
+            break
+        coarse = _decimated(finest, wanted, weights)
+    return finest
+
+
+def _decimated(mesh: Decimated, wanted: int, weights: Floats) -> Decimated:
+    creases, corners = mesh.crease_edges, mesh.corners
+    return decimate(mesh.points, mesh.triangles, wanted, crease_edges=creases, corners=corners, weights=weights)
+
+
 def _strain(distance: Floats, bound: float) -> float:
     """How far points are off, in terms of what a fit may begin with: at most 1 is near enough."""
-    return float(max(np.quantile(distance, 0.99) / COARSE, distance.max() / FARTHEST) / bound)
+    return float(np.quantile(distance, 0.99) / COARSE / bound)
 
 
 def _distances(points: Floats, found: Decimated) -> Floats:

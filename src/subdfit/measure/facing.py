@@ -14,6 +14,9 @@ MOST_AWAY = 0.02
 """Share of the area from which a surface is no longer the target's. In sound fits .002 at most faces away, in those of
 thin disks and lenses whose sheets had fallen together .047 and more."""
 
+AS_NEAR = 1e-6
+"""Share of the diagonal by which faces may be farther than the nearest and count as near: the two sides of a sheet."""
+
 
 def share_facing_away(
     samples: Floats, triangles: NDArray[np.int32], target: Target, nearest: NDArray[np.int32]
@@ -35,7 +38,18 @@ def share_facing_away(
     a, b, c = (samples[corner] for corner in triangles.T)
     normal = np.cross(b - a, c - a)
     area = np.linalg.norm(normal, axis=1)
-    facing = face_normals(target.points, target.triangles)[nearest[triangles]]
-    away = np.all(np.einsum("kd,kcd->kc", normal, facing) < AWAY * area[:, None], axis=1)
+    facing = face_normals(target.points, target.triangles)
+    away = np.all(np.einsum("kd,kcd->kc", normal, facing[nearest[triangles]]) < AWAY * area[:, None], axis=1)
+    rows = np.flatnonzero(away)
+    away[rows] = ~_meets_both_sides((a + b + c)[rows] / 3, normal[rows], target, facing)
     share = float(area[away].sum() / max(area.sum(), 1e-300))
     return min(share, 1 - share)
+
+
+def _meets_both_sides(places: Floats, normal: Floats, target: Target, facing: Floats) -> NDArray[np.bool_]:
+    """Whether a face that faces where a place does, (k,), is as near as the nearest: the target is a sheet there."""
+    radii = target.tree.closest(places).distance + AS_NEAR * target.diagonal
+    begin, found, _ = target.tree.within(places, radii)
+    place = np.repeat(np.arange(len(places)), np.diff(begin))
+    alike = np.einsum("kd,kd->k", normal[place], facing[found]) > 0
+    return np.bincount(place[alike], minlength=len(places)) > 0
