@@ -29,6 +29,8 @@ COARSEST = 10.0
 """A mesh of the largest share that lies off by more tolerances than this is too coarse."""
 LARGEST_SHARE = 0.25
 """Share of the points at which doubling ends."""
+SLACK = 1.25
+"""No point is asked to lie nearer than so many times its distance from the finest mesh that is thinned."""
 REFININGS, REACH, DOUBLING = 5, 1.5, 8.0
 """Most times that the mesh is made finer at places where it does not do; within how many sides of the triangles there;
 and by how much more points weigh there each time: a mesh of n vertices errs by about n^-3, so that n doubles."""
@@ -114,17 +116,17 @@ def _coarsened(points: Floats, found: Decimated, distance: Floats, bound: float)
     while wanted < len(finest.points):
         coarse = _decimated(finest, wanted, np.ones(len(finest.points)))
         if _strain(_distances(points, coarse), bound) <= 1:
-            return _finer_where_far(points, finest, coarse, FARTHEST * bound)
+            return _finer_where_far(points, finest, coarse, np.maximum(FARTHEST * bound, SLACK * distance))
         wanted = int(GROWTH * wanted) + 1
     return finest
 
 
-def _finer_where_far(points: Floats, finest: Decimated, coarse: Decimated, bound: float) -> Decimated:
-    """The coarse mesh with more vertices where points lie off by more than a bound, the finest if that is no help."""
+def _finer_where_far(points: Floats, finest: Decimated, coarse: Decimated, most: Floats) -> Decimated:
+    """The coarse mesh with more vertices where points lie off by more than `most`, (n,), until none does."""
     weights = np.ones(len(finest.points))
     for _ in range(REFININGS):
         found = TriangleTree(coarse.points, coarse.triangles).closest(points)
-        far = np.flatnonzero(found.distance > bound)
+        far = np.flatnonzero(found.distance > most)
         if len(far) == 0:
             return coarse
         corners = coarse.points[coarse.triangles[found.triangle[far]]]
@@ -132,9 +134,9 @@ def _finer_where_far(points: Floats, finest: Decimated, coarse: Decimated, bound
         weights[within_reach(finest.points, points[far], reach)] *= DOUBLING
         wanted = len(coarse.points) + int(within_reach(coarse.points, points[far], reach).sum())
         if wanted >= len(finest.points):
-            break
+            return finest
         coarse = _decimated(finest, wanted, weights)
-    return finest
+    return coarse
 
 
 def _decimated(mesh: Decimated, wanted: int, weights: Floats) -> Decimated:
