@@ -32,8 +32,9 @@ POLYGON_CAP = CAP / 6
 """The same for other faces: one is as large as two triangles, and to cut it takes about three vertices."""
 MISSING = 0.7
 """Share of the vertices that seem to be missing for mean and rms, which one adaptation adds."""
-LATE = 0.1
-"""When fewer faces than this share are too far off, samples that stray are drawn back in steps that move everything."""
+LATE, DENSE = 0.1, 4
+"""When fewer faces than this share are too far off, samples that stray are drawn back in steps that move everything, if
+there are so many points for each triangle that a face could be cut into: fewer would be outvoted."""
 FEW = 0.003
 """When fewer faces than this share are too far off, triangles are split on all sides, no edge is flipped, and only what
 lies near moves."""
@@ -100,13 +101,14 @@ class Auto:
     def _samples(self, state: FitState) -> Samples:
         """What is drawn to the target between the points when everything moves: near the end all that strays.
 
-        But for a mesh with outliers, which would draw the surface up the triangles that end in them.
+        But not where few points hold the surface, nor for a mesh with outliers, up whose triangles it would be drawn.
         """
+        topology = state.surface.topology
         spiky = self.settings.robust > 0 and not state.data.target.cloud
-        late = len(self._bad_faces(state)) <= LATE * state.surface.topology.face_count
-        return (
-            sparse_samples(state).joined(self._strays.samples(state)) if late and not spiky else sparse_samples(state)
-        )
+        dense = state.data.vertices >= DENSE * (len(topology.face) - 2 * topology.face_count)
+        late = len(self._bad_faces(state)) <= LATE * topology.face_count
+        drawn = late and dense and not spiky
+        return sparse_samples(state).joined(self._strays.samples(state)) if drawn else sparse_samples(state)
 
     def _moved_near(self, state: FitState, focus: Flags) -> FitState:
         """Move the control vertices near some, one spot after the other, by all points and samples there."""

@@ -22,7 +22,7 @@ logger = logging.getLogger(__name__)
 LEAST_SHARE, SHARE = 0.01, 0.05
 """The first control mesh has 1 to 5 % of the points (Nishiyama et al. 2008, section 3), as the shape asks for."""
 COARSE, FARTHEST = 2.0, 4.0
-"""Tolerances by which 99 % of the points may lie off it, and all: farther off, thin sheets would be mixed up."""
+"""Tolerances by which 99 % of the points may lie off it, and all: details that are farther off would be lost."""
 GROWTH = 1.25
 """Factor by which the vertices grow from one try to the next while it lies off by more."""
 COARSEST = 10.0
@@ -51,9 +51,9 @@ def start_mesh(
     target
         The data, in the normalised frame.
     vertices
-        Vertices wanted; None takes as few as leave 99 % of the points within `COARSE` tolerances and all within
-        `FARTHEST`, but 1 to 5 % of the points; and up to `LARGEST_SHARE` of them while any lies off by more than
-        `COARSEST` tolerances, as happens where thin parts have few points.
+        Vertices wanted; None takes as few as leave 99 % of the points within `COARSE` tolerances, but 1 to 5 % of the
+        points, and makes the mesh finer where any lies off by more than `FARTHEST`; and up to `LARGEST_SHARE` of them
+        while any lies off by more than `COARSEST` tolerances, as happens where thin parts have few points.
     max_error
         The tolerance as a share of the diagonal; None counts as .1 %.
     budget
@@ -78,7 +78,7 @@ def start_mesh(
         some = None if weights is None else weights[used]
         found = decimate(points, triangles, vertices, crease_edges=creases, weights=some)
     else:
-        found = _coarse_enough(points, triangles, creases, max_error or 1e-3, budget or len(points))
+        found = _coarse_enough(points, triangles, creases, max_error or 1e-3, budget or len(points), target.cloud)
     if found.message:
         logger.warning("%s", found.message)
     mesh = ControlMesh.from_triangles(
@@ -96,7 +96,7 @@ def _one_sided(triangles: Rows) -> Rows:
     return triangles[np.sort(first)]
 
 
-def _coarse_enough(points: Floats, triangles: Rows, creases: Rows, bound: float, budget: int) -> Decimated:
+def _coarse_enough(points: Floats, triangles: Rows, creases: Rows, bound: float, budget: int, cloud: bool) -> Decimated:
     """Decimate as far as the tolerance lets a fit begin."""
     wanted = min(max(4, round(SHARE * len(points))), budget)
     found = decimate(points, triangles, wanted, crease_edges=creases)
@@ -105,17 +105,17 @@ def _coarse_enough(points: Floats, triangles: Rows, creases: Rows, bound: float,
         wanted *= 2
         found = decimate(points, triangles, wanted, crease_edges=creases)
         distance = _distances(points, found)
-    return _coarsened(points, found, distance, bound)
+    return _coarsened(points, found, distance, bound, cloud)
 
 
-def _coarsened(points: Floats, found: Decimated, distance: Floats, bound: float) -> Decimated:
+def _coarsened(points: Floats, found: Decimated, distance: Floats, bound: float, cloud: bool) -> Decimated:
     """Decimate further, as far as the points stay near enough; `distance` (n,) are theirs from what was found."""
     finest, wanted = found, len(found.points)
     # Where much is curved, errors fall as vertices grow; where little is, far more steeply.
-    wanted = max(4, round(LEAST_SHARE * len(points)), int(_strain(distance, bound) * wanted))
+    wanted = max(4, round(LEAST_SHARE * len(points)), int(_strain(distance, bound, cloud) * wanted))
     while wanted < len(finest.points):
         coarse = _decimated(finest, wanted, np.ones(len(finest.points)))
-        if _strain(_distances(points, coarse), bound) <= 1:
+        if _strain(_distances(points, coarse), bound, cloud) <= 1:
             return _finer_where_far(points, finest, coarse, np.maximum(FARTHEST * bound, SLACK * distance))
         wanted = int(GROWTH * wanted) + 1
     return finest
@@ -144,9 +144,13 @@ def _decimated(mesh: Decimated, wanted: int, weights: Floats) -> Decimated:
     return decimate(mesh.points, mesh.triangles, wanted, crease_edges=creases, corners=corners, weights=weights)
 
 
-def _strain(distance: Floats, bound: float) -> float:
-    """How far points are off, in terms of what a fit may begin with: at most 1 is near enough."""
-    return float(np.quantile(distance, 0.99) / COARSE / bound)
+def _strain(distance: Floats, bound: float, all_of_them: bool) -> float:
+    """How far points are off, in terms of what a fit may begin with: at most 1 is near enough.
+
+    Of a cloud all points count: from a coarse mesh across its voids, where no points hold it, the surface goes astray.
+    """
+    farthest = distance.max() / FARTHEST if all_of_them else 0.0
+    return float(max(np.quantile(distance, 0.99) / COARSE, farthest) / bound)
 
 
 def _distances(points: Floats, found: Decimated) -> Floats:
