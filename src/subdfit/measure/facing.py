@@ -21,12 +21,12 @@ AS_NEAR = 1e-6
 def share_facing_away(
     samples: Floats, triangles: NDArray[np.int32], target: Target, nearest: NDArray[np.int32]
 ) -> float:
-    """Share of a surface's area that faces against the target at all three corners; 0 for a cloud.
+    """Share of a surface's area that faces against the target at all three corners, and not at a sheet with two sides.
 
     Parameters
     ----------
     samples, triangles : the surface's triangulation.
-    target : a mesh.
+    target : a mesh, of which the trees and triangles are used; of a cloud nothing faces away.
     nearest : (len(samples),), the target's triangle that each sample meets.
 
     Returns

@@ -52,7 +52,7 @@ def check(data: MeshData, name: str = "mesh") -> None:
         bad = np.flatnonzero(~fine.all(axis=1))
         place = " ".join(f"{x:g}" for x in data.points[bad[0]])
         raise InputError(
-            f"{name}: {counted(len(bad), 'point')} not finite or too large to compute with, the first is row {bad[0]} "
+            f"{name}: {counted(len(bad), 'point is', 'points are')} not finite or too large, the first is row {bad[0]} "
             f"({place}); remove or correct them"
         )
     if data.normals is not None and data.normals.shape != data.points.shape:
