@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
 from subdfit.errors import InputError
 from subdfit.initial.lavoue_contour import topologic_contour
@@ -90,5 +89,7 @@ def _anchors(points: Floats, loop: NDArray[np.int64], polygon: BoundaryPolygon) 
         raise InputError(
             f"a boundary of {len(loop)} vertices has {len(polygon.points)} control points; refine the mesh"
         )
+    from scipy.optimize import linear_sum_assignment  # takes long to load, and few fits need it
+
     squares = np.sum((polygon.limits[:, None] - points[loop][None]) ** 2, axis=2)
     return loop[linear_sum_assignment(squares)[1]]

@@ -8,7 +8,6 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from subdfit.schemes._stencils import VertexMask
 
@@ -108,6 +107,8 @@ def _correction(order: str) -> float:
     largest = _largest_correction(order)
     if _excess(largest, order) >= 0:
         return 0.0
+    from scipy.optimize import brentq  # takes a tenth of all that is loaded at the start, and is needed here alone
+
     return float(brentq(_excess, 0.0, largest, args=(order,), xtol=1e-15))
 
 
