@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from subdfit.fit.adapt import refined, settled
+from subdfit.fit.adapt import drawn_near, refined
+from subdfit.fit.changes import faces_at
 from subdfit.fit.data import FitData
 from subdfit.fit.driver import fit_target
 from subdfit.fit.faults import all_sides, cutting_sides
@@ -28,6 +29,11 @@ def settings(scheme: str, bound: float, **others: object) -> FitSettings:
 
 def quad_share(mesh: ControlMesh) -> float:
     return float(np.mean(np.diff(mesh.topology.face_offsets) == 4))
+
+
+def swing(surface: LimitSurface) -> float:
+    """How far a control point lies off its limit point at most."""
+    return float(np.linalg.norm(surface.control_mesh.points - surface.vertex_limits(), axis=1).max())
 
 
 def state_of(target: Target, scheme: str, vertices: int) -> FitState:
@@ -67,12 +73,25 @@ def test_refining_carries_footpoints_to_where_a_search_finds_them(scheme: str, b
 
 
 @OTHERS
-def test_limits_are_put_where_they_are_wanted(scheme: str, dome: Target) -> None:
+def test_control_points_do_not_swing_when_a_rough_surface_is_refined_again_and_again(scheme: str, ball: Target) -> None:
+    state = state_of(ball, scheme, 150)
+    mesh = state.surface.control_mesh
+    rough = mesh.with_points(mesh.points + np.random.default_rng(0).normal(0, 0.005, mesh.points.shape))
+    state = FitState.start(state.data, LimitSurface(rough, scheme))
+    before = swing(state.surface)
+    for _ in range(2):
+        near = np.linalg.norm(state.surface.vertex_limits() - [0.3, 0, 0], axis=1) < 0.25
+        state = refined(state, all_sides(state, np.flatnonzero(faces_at(state.surface.topology, near))))
+    assert swing(state.surface) < 1.1 * before
+
+
+@OTHERS
+def test_limits_are_drawn_to_where_they_are_wanted(scheme: str, dome: Target) -> None:
     mesh = state_of(dome, scheme, 100).surface.control_mesh
-    wanted = mesh.points
-    points = settled(mesh, SCHEMES[scheme], wanted)
-    rows = SCHEMES[scheme].limit_rows(mesh.topology)
-    assert np.abs(rows @ points - wanted).max() < 0.1 * np.abs(rows @ mesh.points - wanted).max()
+    limits = SCHEMES[scheme].limit_points
+    points = drawn_near(mesh, SCHEMES[scheme], mesh.points, steps=20)
+    away = np.abs(limits(mesh.topology, points) - mesh.points).max()
+    assert away < 0.1 * np.abs(limits(mesh.topology, mesh.points) - mesh.points).max()
 
 
 @OTHERS

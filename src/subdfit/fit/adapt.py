@@ -19,11 +19,6 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Rows = NDArray[np.int64]
 
-SETTLING = 30
-"""Iterations that put the limit points of a refined mesh where the coarse surface had them."""
-OVER_RELAXATION = 1.7
-"""Nearly 2 / (1 + lambda), lambda = 1/9 being the least eigenvalue of Catmull-Clark's limit masks on regular meshes."""
-
 
 def refined(state: FitState, sides: Flags, whole_faces: bool = False, regularise: bool = True) -> FitState:
     """Halve sides of faces.
@@ -106,7 +101,7 @@ def _refined_polygons(state: FitState, sides: Flags) -> FitState:
     found = refine_polygons(coarse.control_mesh, sides, polygons=scheme.faces == "polygons")
     places = Places(coarse)
     limits = np.concatenate([places.vertices(), places.middles(found.halved), places.centres(found.centred)])
-    points = settled(found.mesh, scheme, limits)
+    points = drawn_near(found.mesh, scheme, limits)
     fine = LimitSurface(ControlMesh(found.mesh.topology, points, scheme.name), scheme)
     return FitState.follow(state.data, fine, *_carried(state, fine, found.parent))
 
@@ -160,13 +155,15 @@ def _middles(domain: Domain) -> Floats:
     return np.column_stack([middle, middle])
 
 
-def settled(mesh: ControlMesh, scheme: Scheme, limits: Floats) -> Floats:
-    """Control points whose limit points lie at (n, 3) `limits`, very nearly: the surface barely moves.
+def drawn_near(mesh: ControlMesh, scheme: Scheme, limits: Floats, steps: int = 1) -> Floats:
+    """Control points, (n, 3), whose limit points are drawn near `limits`, by progressive interpolation from the mesh's.
 
-    Progressive interpolation (Cheng et al. 2009), over-relaxed, from the mesh's own points.
+    After one step a refined surface has barely moved. More meet the limits ever better by dividing by small eigenvalues
+    of the masks: round after round of refining, control points then swing ever farther where coarse meets fine.
+
+    Cheng et al. 2009, section 2.
     """
-    rows = scheme.limit_rows(mesh.topology)
     points = mesh.points
-    for _ in range(SETTLING):
-        points = points + OVER_RELAXATION * (limits - rows @ points)
-    return points
+    for _ in range(steps):
+        points = points + limits - scheme.limit_points(mesh.topology, points)
+    return np.asarray(points)

@@ -11,7 +11,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from subdfit.fit.adapt import settled
+from subdfit.fit.adapt import drawn_near
 from subdfit.fit.changes import faces_at, ring
 from subdfit.fit.descent import Descent, Part
 from subdfit.fit.held import boundary_vertices
@@ -40,6 +40,8 @@ STEPS, GAIN = 4, 0.98
 """Most steps of a trial, which ends when one leaves more than this share of the energy."""
 DAMPING = 1e-2
 """Their first damping: large faces leave directions in which little holds their vertices."""
+DRAWN = 20
+"""Steps that draw the limit points of what is left to where they were; nothing is refined here, and little swings."""
 SETTLING = 8
 """Rounds in which the reverse side may come within tolerance before anything is taken out."""
 PATIENCE = 3
@@ -165,7 +167,7 @@ class Thinning:
         mesh, rows = edits.frozen()
         scheme = state.surface.scheme
         limits = Places(state.surface).vertices()[rows]
-        mesh = replace(mesh, points=settled(mesh, scheme, limits))
+        mesh = replace(mesh, points=drawn_near(mesh, scheme, limits, DRAWN))
         row = {int(v): k for k, v in enumerate(rows)}
         flags = np.zeros((len(changes), len(rows)), np.bool_)
         for k, vertices in enumerate(near):
