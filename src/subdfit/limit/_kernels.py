@@ -19,6 +19,7 @@ def evaluate(patches, cell, uv, order, start, stop, derivatives, position, first
     """
     cache = np.empty(48 * SLOTS)
     tags = np.full(SLOTS, -1, np.int64)
+    degree = patches.quad_degree
     for n in range(start, stop):
         k = order[n]
         shape = patches.cell_shape[cell[k]]
@@ -27,10 +28,10 @@ def evaluate(patches, cell, uv, order, start, stop, derivatives, position, first
         xu, xv, yu, yv = scale * xu, scale * xv, scale * yu, scale * yv
         if derivatives == 0:
             for d in range(3):
-                position[k, d] = first_order(shape, cache, c + 16 * d, x, y)[0]
+                position[k, d] = first_order(shape, degree, cache, c + 16 * d, x, y)[0]
             continue
         for d in range(3):
-            value, by_x, by_y = first_order(shape, cache, c + 16 * d, x, y)
+            value, by_x, by_y = first_order(shape, degree, cache, c + 16 * d, x, y)
             position[k, d] = value
             first[k, 0, d] = xu * by_x + yu * by_y
             first[k, 1, d] = xv * by_x + yv * by_y
@@ -47,8 +48,9 @@ def derivatives(patches, shape, patch, block, strip, x, y, xu, xv, yu, yv, out, 
     """Write S, Su, Sv, Suu, Suv, Svv of what `locate` found into `out` (18,), three coordinates each."""
     c, x, y, scale = polynomial(patches, shape, patch, block, strip, x, y, cache, tags)
     xu, xv, yu, yv = scale * xu, scale * xv, scale * yu, scale * yv
+    degree = patches.quad_degree
     for d in range(3):
-        value, by_x, by_y = first_order(shape, cache, c + 16 * d, x, y)
+        value, by_x, by_y = first_order(shape, degree, cache, c + 16 * d, x, y)
         by_xx, by_xy, by_yy = second_order(shape, cache, c + 16 * d, x, y)
         out[d] = value
         out[3 + d] = xu * by_x + yu * by_y

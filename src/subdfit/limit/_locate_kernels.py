@@ -31,6 +31,7 @@ class Patches(NamedTuple):
     strip_at_once: int
     strip_matrices: np.ndarray
     strip_levels: int
+    quad_degree: int
     positions: np.ndarray
 
 

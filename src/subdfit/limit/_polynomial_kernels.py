@@ -38,9 +38,23 @@ def bicubic(c, o, x, y):  # type: ignore[no-untyped-def]
 
 
 @inlined_kernel
-def first_order(shape, c, o, x, y):  # type: ignore[no-untyped-def]
+def biquadratic(c, o, x, y):  # type: ignore[no-untyped-def]
+    """What `bicubic` returns, where the coefficients of the third powers are zero."""
+    p0 = c[o] + y * (c[o + 1] + y * c[o + 2])
+    p1 = c[o + 4] + y * (c[o + 5] + y * c[o + 6])
+    p2 = c[o + 8] + y * (c[o + 9] + y * c[o + 10])
+    q0 = c[o + 1] + y * (2 * c[o + 2])
+    q1 = c[o + 5] + y * (2 * c[o + 6])
+    q2 = c[o + 9] + y * (2 * c[o + 10])
+    return p0 + x * (p1 + x * p2), p1 + x * (2 * p2), q0 + x * (q1 + x * q2)
+
+
+@inlined_kernel
+def first_order(shape, quad_degree, c, o, x, y):  # type: ignore[no-untyped-def]
     """Value and first derivatives of a cell's polynomial."""
     if shape == QUAD:
+        if quad_degree == 2:
+            return biquadratic(c, o, x, y)
         return bicubic(c, o, x, y)
     return quartic(c, o, x, y)
 

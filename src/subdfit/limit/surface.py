@@ -152,6 +152,7 @@ class LimitSurface:
             AT_ONCE,
             t.strips.matrices,
             t.strips.levels,
+            t.quad_degree,
             positions,
         )
 

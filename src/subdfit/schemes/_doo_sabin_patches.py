@@ -255,4 +255,5 @@ def _table(
         type_strips=np.full((len(types), 3), -1, np.int8),
         matrices=np.concatenate([np.empty(0), *blocks]),
         strips=NO_STRIPS,
+        quad_degree=2,
     )

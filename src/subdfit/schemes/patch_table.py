@@ -93,6 +93,7 @@ class PatchTable:
         0, 1, 2 (beside the second corner, beside the last, between) of level ``l`` >= 1 is matrix ``3 (l - 1) + j``,
         the corner itself matrix ``3 levels``.
     strips : what the strips are.
+    quad_degree : highest power of u and of v on quads, 3 or 2.
     """
 
     point_matrix: sp.csr_array
@@ -108,6 +109,7 @@ class PatchTable:
     type_strips: NDArray[np.int8]
     matrices: NDArray[np.float64]
     strips: Strips
+    quad_degree: int = 3
 
     @property
     def local_matrix(self) -> sp.csr_array:
