@@ -70,7 +70,7 @@ class Auto:
         topology, focus = state.surface.topology, None
         if self._begun:
             state, focus = self.adapt(state)
-            if focus is None and self.stray(state) <= 1 and within(state, self.settings.tolerance):
+            if focus is None and within(state, self.settings.tolerance) and self.stray(state) <= 1:
                 return state
         final = self._begun and state.surface.topology is topology
         self._cut, self._begun, self._drawn = self._begun, True, focus is not None
