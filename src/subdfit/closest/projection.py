@@ -134,7 +134,7 @@ class Projector:
         """
         data = np.ascontiguousarray(points, np.float64)
         best = self.nearest(data)
-        offsets, triangle, _ = self._tree.within(data, best.distance - self.tolerance)
+        offsets, triangle, _ = self._inflated_tree.within(data, best.distance - self.tolerance)
         point = np.repeat(np.arange(len(data)), np.diff(offsets))
         other = triangle != self._triangle_under(best.face, best.uv)[point]
         face, uv = self._on_surface(triangle[other], np.full((np.count_nonzero(other), 2), 1 / 3))
@@ -253,12 +253,20 @@ class Projector:
 
     @cached_property
     def _tree(self) -> TriangleTree:
+        return TriangleTree(self._grid_points, self._grid.triangles)
+
+    @cached_property
+    def _inflated_tree(self) -> TriangleTree:
+        """The tree whose triangles know how far the surface may stray from them, by how far it does in their middle."""
         grid = self._grid
-        vertices = self.surface.evaluate(grid.face, grid.uv).position
         rows = np.arange(len(grid.triangles), dtype=np.int32)
         middle = self._on_surface(rows, np.full((len(rows), 2), 1 / 3))
-        stray = self.surface.evaluate(*middle).position - vertices[grid.triangles].mean(axis=1)
-        return TriangleTree(vertices, grid.triangles, inflation=2.0 * np.linalg.norm(stray, axis=1))
+        stray = self.surface.evaluate(*middle).position - self._grid_points[grid.triangles].mean(axis=1)
+        return TriangleTree(self._grid_points, grid.triangles, inflation=2.0 * np.linalg.norm(stray, axis=1))
+
+    @cached_property
+    def _grid_points(self) -> Floats:
+        return self.surface.evaluate(self._grid.face, self._grid.uv).position
 
 
 def corner_weights(shape: NDArray[np.int8], uv: Floats) -> Floats:

@@ -116,7 +116,9 @@ def compile_patches(rules: FacePatches, topology: Topology, matrix: sp.csr_array
         flat = np.concatenate(nodes)
         flat[here.slot] = patch_count + np.arange(len(here.face))
         patch_count += len(here.face)
-        cut = pending[np.setdiff1d(np.arange(len(pending.face)), found.rows)]
+        left = np.ones(len(pending.face), np.bool_)
+        left[found.rows] = False
+        cut = pending[np.flatnonzero(left)]
         flat[cut.slot] = ~(cut_count + np.arange(len(cut.face)))
         nodes = [flat, np.empty(4 * len(cut.face), np.int32)]
         pending = _children(cut, len(flat), np.diff(topology.face_offsets)[cut.face] == 4)
