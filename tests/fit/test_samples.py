@@ -13,7 +13,7 @@ from subdfit.fit.regions import regions
 from subdfit.fit.reverse import CurveSamples, Samples, inner_samples, strays
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.spots import Spot
-from subdfit.fit.state import FitState
+from subdfit.fit.state import FOOTPOINT_TOLERANCE, FitState
 from subdfit.fit.strays import Strays
 from subdfit.fit.tangent import TangentSettings
 from subdfit.limit import LimitSurface
@@ -199,7 +199,7 @@ def test_faces_without_data_are_refined() -> None:
     # The third face of the third row: neither it nor its neighbours have any of the nine points.
     finer = refined(state, topology.face == 18)
     assert finer.surface.topology.face_count > topology.face_count
-    np.testing.assert_allclose(finer.distance, state.distance, atol=1e-9)
+    np.testing.assert_allclose(finer.distance, state.distance, atol=FOOTPOINT_TOLERANCE)
 
 
 def test_a_spot_without_data_is_drawn_to_the_target(state: FitState) -> None:
