@@ -35,7 +35,7 @@ logger = logging.getLogger(__name__)
 
 METHODS: dict[str, Callable[[FitSettings], Fitter]] = {"auto": Auto, "geometric": Geometric, "lavoue": Lavoue}
 
-REVERSE_GROWTH, REVERSE_ROOM = 1.3, 50
+REVERSE_GROWTH, REVERSE_ROOM = 1.3, 300
 """Factor of control vertices spent on the reverse side after the data's side is within tolerance, or so many more."""
 
 

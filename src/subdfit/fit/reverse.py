@@ -10,7 +10,7 @@ from subdfit.fit.places import Places
 from subdfit.fit.state import FitState
 from subdfit.limit.surface import LimitSurface
 from subdfit.limit.tessellate import lattice
-from subdfit.measure import Tolerance, reverse_segments
+from subdfit.measure import Tolerance, peaks, reverse_segments, surface_samples
 from subdfit.schemes.domain import CORNERS
 from subdfit.target.bvh import SegmentTree
 from subdfit.target.target import Target
@@ -23,6 +23,8 @@ SPARSE = 3
 TOUCHING = 1e-9
 """A sample this near its foot has no direction in which it is off."""
 
+LOW = 2
+"""Peaks are searched from samples that are at least so many times less far off than a stray."""
 CURVE_PLACES = np.array([0.25, 0.5, 0.75])
 """Where along a side its curve is sampled."""
 
@@ -83,7 +85,7 @@ class Samples:
         """Number of samples."""
         return len(self.face)
 
-    def __getitem__(self, rows: Flags) -> "Samples":
+    def __getitem__(self, rows: Flags | NDArray[np.int64]) -> "Samples":
         """Some of these."""
         return Samples(self.face[rows], self.uv[rows], self.normal[rows], self.gap[rows], self.triangle[rows])
 
@@ -101,19 +103,38 @@ class Samples:
 def strays(
     surface: LimitSurface, target: Target, bound: float, cells: Flags | None = None, segments: int = 0
 ) -> Samples:
-    """Those of the certificate's samples that lie off the target by more than `bound` and the faceting there.
+    """Those of the certificate's samples that lie off by more than `bound` and the faceting there, and peaks between.
 
-    Where `cells` (c,) are flagged, those of these alone; `segments` a cell's side, where given.
+    Where `cells` (c,) are flagged, those of these alone; `segments` a small cell's side, where given. Of a large cell's
+    many samples the farthest stands for those near it, so that they do not outvote the data.
     """
-    grid = lattice(surface.domain, segments or reverse_segments(surface.domain), cells)
-    return Samples.of(surface, target, grid.face, grid.uv, bound)
+    segments = segments or reverse_segments(surface.domain)
+    sampled = surface_samples(surface, cells, segments)
+    found = Samples.of(surface, target, sampled.face, sampled.uv, bound / LOW)
+    near = found.triangle
+    tops = peaks(surface, found.face, found.uv, found.gap, lambda places, rows: target.gaps(places, near[rows]))
+    found = found[found.gap > bound].joined(Samples.of(surface, target, *tops, bound))
+    return found[_farthest(found, segments)]
+
+
+def _farthest(samples: Samples, segments: int) -> NDArray[np.int64]:
+    """Rows of the farthest of the samples in each square of a cell cut into so many segments, ascending."""
+    i, j = np.floor(samples.uv * segments + TOUCHING).astype(np.int64).T
+    square = (samples.face.astype(np.int64) * (segments + 1) + i) * (segments + 1) + j
+    order = np.lexsort([-samples.gap, square])
+    first = np.diff(square[order], prepend=-1) != 0
+    return np.sort(order[first])
+
+
+def even_samples(surface: LimitSurface, target: Target, cells: Flags, segments: int) -> Samples:
+    """As many samples in each of the flagged cells, (c,), with so many segments a side."""
+    grid = lattice(surface.domain, segments, cells)
+    return Samples.of(surface, target, grid.face, grid.uv)
 
 
 def reverse_badness(state: FitState, tolerance: Tolerance) -> float:
     """Largest ratio of rms and mean of the reverse side to what is asked; 0 where neither is."""
-    grid = lattice(state.surface.domain, reverse_segments(state.surface.domain))
-    samples = state.surface.evaluate(grid.face, grid.uv).position
-    distance = state.data.target.tree.closest(samples).distance
+    distance = state.data.target.tree.closest(surface_samples(state.surface).position).distance
     asked = ((tolerance.rms, float(np.sqrt(np.mean(distance**2)))), (tolerance.mean, float(distance.mean())))
     return max((value / bound for bound, value in asked if bound), default=0.0)
 

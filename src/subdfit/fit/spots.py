@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from subdfit.fit.descent import Descent, Part
 from subdfit.fit.regions import regions
-from subdfit.fit.reverse import sparse_curve_samples, strays
+from subdfit.fit.reverse import even_samples, sparse_curve_samples, strays
 from subdfit.fit.state import FitState
 from subdfit.fit.system import smoothed
 from subdfit.fit.tangent import TangentSettings
@@ -35,7 +35,7 @@ class Spot:
     state : the data of the region.
     inner : (cells,) bool, the cells of its surface that may move.
     moving : (n,) bool, its control vertices that may.
-    segments : segments a cell's side for samples of the surface.
+    segments : segments a cell's side for samples of the surface, where cells are small.
     weights : of the terms of the energy.
     bound : the error that matters, as a share of the diagonal.
     """
@@ -61,7 +61,9 @@ class Spot:
         return found.surface.control_mesh.points
 
     def _settled(self, state: FitState, insistence: float) -> FitState:
-        samples = strays(state.surface, state.data.target, -np.inf, self.inner, self.segments)
+        samples = even_samples(state.surface, state.data.target, self.inner, self.segments).joined(
+            strays(state.surface, state.data.target, self.bound / 2, self.inner, self.segments)
+        )
         part = Part(state, samples, sparse_curve_samples(state, self.inner), self.moving, STEPS, GAIN)
         return Descent(self.weights, self.bound, DAMPING).moved(part, insistence)
 

@@ -1,7 +1,8 @@
 """Two-sided errors and the certificate."""
 
-from subdfit.measure.certificate import CurveErrors, Measurement, Tolerance, measure, reverse_segments
+from subdfit.measure.certificate import CurveErrors, Measurement, Tolerance, measure
 from subdfit.measure.outliers import Outliers, far_points, outliers
+from subdfit.measure.samples import peaks, reverse_segments, surface_samples
 
 __all__ = [
     "CurveErrors",
@@ -11,5 +12,7 @@ __all__ = [
     "far_points",
     "measure",
     "outliers",
+    "peaks",
     "reverse_segments",
+    "surface_samples",
 ]

@@ -5,6 +5,7 @@ the reverse side from samples of the surface, curves apart.
 """
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,18 +13,17 @@ from numpy.typing import NDArray
 from subdfit.closest.curves import SurfaceCurves
 from subdfit.closest.projection import Projection, Projector
 from subdfit.limit.surface import LimitSurface
-from subdfit.limit.tessellate import lattice
 from subdfit.measure.facing import MOST_AWAY, share_facing_away
 from subdfit.measure.outliers import NO_OUTLIERS, Outliers, outliers
-from subdfit.schemes.domain import QUAD, Domain
+from subdfit.measure.samples import peaks, surface_samples
 from subdfit.target.sampling import face_samples
 from subdfit.target.target import Target
 
 Floats = NDArray[np.float64]
 
-SAMPLES, MOST_SAMPLES, MANY_SAMPLES = 16, 64, 200_000
-"""Samples of the surface a control vertex, at least; as many as the second where that does not make more in all than
-the third."""
+
+PEAK = 0.25
+"""Peaks are searched in cells with samples that are as far off as this share of the farthest."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Measurement:
     boundary, crease : the target's curve points to the surface's curves; None where either has none.
     faceting : the largest sagitta of the target's faces.
     samples_excess : how far samples inside large faces lie off beyond their face's sagitta, at most.
-    reverse_excess : how far samples of the surface lie off beyond the allowance of the face they meet, at most.
+    reverse_excess : how far the surface lies off beyond the allowance of the face it meets, at most.
     reverse_held : rms and mean that the tolerance applies to where no largest error is asked: of a mesh those of the
         reverse side, of a cloud, whose faces are our own making, those beyond their allowance.
     footpoints : of the data points, in the normalised frame.
@@ -131,56 +131,70 @@ def measure(
     data = projector.certain(target.points[target.used])
     excluded = outliers(data.distance, allowed.share, allowed.bound)
     distance = np.delete(data.distance, excluded)
-    reverse, allowance, facing_away = _reverse(surface, target)
+    reverse = _reverse(surface, target)
     rms, mean = _rms_and_mean(distance)
-    reverse_rms, reverse_mean = _rms_and_mean(reverse)
-    held = np.maximum(reverse - allowance, 0.0) if target.cloud else reverse
+    reverse_rms, reverse_mean = _rms_and_mean(reverse.distance)
+    held = np.maximum(reverse.distance - reverse.allowance, 0.0) if target.cloud else reverse.distance
     return Measurement(
         max=float(distance.max()),
         rms=rms,
         mean=mean,
-        reverse_max=float(reverse.max()),
+        reverse_max=reverse.farthest,
         reverse_rms=reverse_rms,
         reverse_mean=reverse_mean,
         boundary=None if target.cloud else _curve_errors(surface, target, inner=False),
         crease=_curve_errors(surface, target, inner=True),
         faceting=float(target.sagitta.max()) if target.is_mesh else 0.0,
         samples_excess=_samples_excess(projector, target, spacing),
-        reverse_excess=float((reverse - allowance).max()),
+        reverse_excess=reverse.excess,
         reverse_held=_rms_and_mean(held),
         footpoints=data,
         diagonal=diagonal,
-        facing_away=facing_away,
+        facing_away=reverse.facing_away,
         excluded=excluded,
     )
-
-
-def reverse_segments(domain: Domain) -> int:
-    """Segments a cell side for samples of the surface: more where cells are few and therefore large.
-
-    A mesh has about half as many vertices as triangles, and as many as quads.
-    """
-    quads = float(np.where(domain.shape == QUAD, 1.0, 0.5).sum())
-    vertices = quads / 4 if domain.parts else quads
-    wanted = min(max(MANY_SAMPLES, SAMPLES * vertices), MOST_SAMPLES * vertices)
-    return max(int(np.sqrt(wanted / max(quads, 1.0))), 1)
 
 
 def _rms_and_mean(distance: Floats) -> tuple[float, float]:
     return float(np.sqrt(np.mean(distance**2))), float(distance.mean())
 
 
-def _reverse(surface: LimitSurface, target: Target) -> tuple[Floats, Floats, float]:
-    """Distances of surface samples from the target, a cloud's triangles included, the allowance of each, and the share
-    of the surface that faces away.
+class _Reverse(NamedTuple):
+    """The reverse side.
+
+    Attributes
+    ----------
+    distance, allowance : of samples of the surface, (n,).
+    farthest, excess : the largest distance, and the largest beyond the allowance, peaks between samples included.
+    facing_away : share of the surface that does.
     """
-    grid = lattice(surface.domain, reverse_segments(surface.domain))
-    samples = surface.evaluate(grid.face, grid.uv).position
+
+    distance: Floats
+    allowance: Floats
+    farthest: float
+    excess: float
+    facing_away: float
+
+
+def _reverse(surface: LimitSurface, target: Target) -> _Reverse:
+    """Measure samples of the surface against the target's triangles, a cloud's included; points alone against these."""
+    samples = surface_samples(surface)
     if not target.is_mesh:
-        return target.nearest_point(samples), np.zeros(len(samples)), 0.0
-    found = target.tree.closest(samples)
-    away = share_facing_away(samples, grid.triangles, target, found.triangle)
-    return found.distance, target.allowance(samples, found), away
+        distance = target.nearest_point(samples.position)
+        return _Reverse(distance, np.zeros(len(distance)), float(distance.max()), float(distance.max()), 0.0)
+    found = target.tree.closest(samples.position)
+    allowance = target.allowance(samples.position, found)
+    gap = found.distance - allowance
+    high = np.flatnonzero(gap >= PEAK * gap.max())
+    near = found.triangle[high]
+    face, uv = peaks(
+        surface, samples.face[high], samples.uv[high], gap[high], lambda places, rows: target.gaps(places, near[rows])
+    )
+    tops = surface.evaluate(face, uv).position
+    farthest = max(found.distance.max(), target.tree.closest(tops).distance.max())
+    excess = max(gap.max(), target.gaps(tops).max())
+    away = share_facing_away(samples.position, samples.triangles, target, found.triangle)
+    return _Reverse(found.distance, allowance, float(farthest), float(excess), away)
 
 
 def _samples_excess(projector: Projector, target: Target, spacing: float) -> float:

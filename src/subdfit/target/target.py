@@ -108,6 +108,11 @@ class Target:
         held = np.hypot(above, np.maximum(beyond - step, 0.0))
         return allowed + np.where(on_rim, found.distance - held, 0.0)
 
+    def gaps(self, queries: NDArray[np.float64], near: NDArray[np.int32] | None = None) -> NDArray[np.float64]:
+        """How far queries, (q, 3), lie off the triangles beyond their allowance, (q,); see `TriangleTree.closest`."""
+        found = self.tree.closest(queries, start=near)
+        return found.distance - self.allowance(queries, found)
+
 
 def mesh_target(points: NDArray[np.float64], triangles: NDArray[np.integer], *, creases: Creases = "auto") -> Target:
     """Gather what is known of a triangle mesh.
