@@ -79,7 +79,8 @@ def start_mesh(
         found = decimate(points, triangles, vertices, crease_edges=creases, weights=some)
     else:
         found = _coarse_enough(points, triangles, creases, max_error or 1e-3, budget or len(points), target.cloud)
-    if found.message:
+    asked = vertices is not None and weights is None
+    if found.message and asked:
         logger.warning("%s", found.message)
     mesh = ControlMesh.from_triangles(
         found.points, _one_sided(found.triangles), crease_edges=found.crease_edges, corner_vertices=found.corners
