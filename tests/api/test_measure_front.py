@@ -20,7 +20,7 @@ def test_samples_of_the_surface_lie_on_it(cage):
     drawn = subdfit.LimitSurface(cage).tessellate(3)
     found = subdfit.measure(cage, (drawn.points, drawn.triangles))
     assert found.max < 1e-7
-    assert found.reverse_max <= found.faceting
+    assert found.reverse_max <= 1.02 * found.faceting
     cloud = subdfit.measure(cage, drawn.points)
     assert cloud.max < 1e-7
 
