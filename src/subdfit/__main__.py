@@ -1,5 +1,9 @@
 """``python -m subdfit``: the command line, where the script is not on the path."""
 
-from subdfit.cli import main
+try:
+    from subdfit.cli import main
 
-raise SystemExit(main())
+    code = main()
+except KeyboardInterrupt:
+    code = 130
+raise SystemExit(code)

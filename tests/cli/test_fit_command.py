@@ -26,6 +26,7 @@ def fitted(sphere, tmp_path_factory):
     names = ("cage.obj", "cage.ply", "cage.json", "surface.stl", "surface.glb")
     outputs = [word for name in names for word in ("-o", str(folder / name))]
     extra = ["--json", str(folder / "run.json"), "--picture", str(folder / "run.png"), "--unit", "mm"]
+    extra += ["--run", str(folder / "saved")]
     assert main(["fit", str(sphere), *outputs, "--max-error", "0.3%", "--quiet", *extra]) == 0
     return folder
 
@@ -66,6 +67,14 @@ def test_drawn_formats_hold_the_limit_surface(fitted):
 
 def test_the_picture_is_a_picture(fitted):
     assert (fitted / "run.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_saved_run_holds_what_a_page_needs(fitted):
+    saved = fitted / "saved"
+    document = json.loads((saved / "run.json").read_text())
+    assert document == json.loads((fitted / "run.json").read_text())
+    assert (saved / "control_mesh.json").read_bytes() == (fitted / "cage.json").read_bytes()
+    assert np.load(saved / "distances.npy").max() == pytest.approx(document["errors"]["max"] * document["diagonal"])
 
 
 def test_the_same_run_writes_the_same_bytes(fitted, sphere, tmp_path):

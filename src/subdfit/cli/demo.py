@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 from subdfit.cli import options
 from subdfit.cli.console import Console, say
 from subdfit.cli.fit import EXIT, add_writing, fit_arguments
-from subdfit.cli.outputs import check_outputs, write_json, write_surface
+from subdfit.cli.outputs import check_outputs, made_folder, write_json, write_surface
 from subdfit.cli.summary import fit_line, picture_title
-from subdfit.errors import MachineError
 
 if TYPE_CHECKING:
     from subdfit import FitResult
@@ -50,7 +49,7 @@ def run(args: argparse.Namespace, console: Console) -> int:
     """Fit, write the folder, print what is in it."""
     from subdfit import api
 
-    folder = _folder(args.output)
+    folder = made_folder(args.output)
     names = [*FILES] if args.path else [SCAN, *FILES]
     check_outputs([], [args.path] if args.path else [], documents=[str(folder / name) for name in names])
     target = args.path or _scan(folder, args, console)
@@ -63,17 +62,6 @@ def run(args: argparse.Namespace, console: Console) -> int:
         say(f"  {name:<18} {FILES.get(name, 'the synthetic scan that was fitted')}")
     say(f"\n{fit_line(result)}")
     return EXIT[result.status]
-
-
-def _folder(name: str) -> Path:
-    folder = Path(name)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise MachineError(
-            f"cannot make the folder {name}: {error.strerror or error}; choose another with -o"
-        ) from error
-    return folder
 
 
 def _scan(folder: Path, args: argparse.Namespace, console: Console) -> str:

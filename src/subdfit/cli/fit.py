@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from subdfit.cli import options
 from subdfit.cli.console import Console, say
 from subdfit.cli.outputs import check_level, check_outputs, write_json, write_surface
+from subdfit.cli.saved_run import check_run, write_run
 from subdfit.cli.summary import fit_line, picture_title
 from subdfit.wording import counted
 
@@ -52,6 +53,12 @@ def add_parser(commands: Any) -> None:
     group.add_argument("--tessellate", metavar="LEVEL", type=int, help="tessellate the limit surface in every output")
     group.add_argument("--json", metavar="FILE", help="errors, seconds, settings and history")
     group.add_argument("--picture", metavar="FILE.png", help="target, control mesh, error colours")
+    group.add_argument(
+        "--run",
+        metavar="DIR",
+        dest="saved_run",
+        help="folder for the saved run: control mesh, errors of all points, settings, history",
+    )
     options.add_machine_options(parser)
     parser.set_defaults(run=run)
 
@@ -106,6 +113,7 @@ def run(args: argparse.Namespace, console: Console) -> int:
 
     check_level(args.tessellate)
     check_outputs(args.output, [args.target], documents=[args.json], pictures=[args.picture])
+    check_run(args.saved_run)
     try:
         result = api.fit(args.target, progress=console.progress, **fit_arguments(args))
     except KeyboardInterrupt:
@@ -135,6 +143,8 @@ def write_all(args: argparse.Namespace, result: "FitResult", console: Console) -
     if args.picture:
         api.picture(args.picture, result, title=picture_title(result))
     add_writing(result, clock)
+    if args.saved_run:
+        write_run(args.saved_run, result)
     if args.json:
         write_json(args.json, result.to_dict())
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from subdfit.errors import InputError
+from subdfit.errors import InputError, MachineError
 
 if TYPE_CHECKING:
     from subdfit import ControlMesh, LimitSurface
@@ -65,6 +65,16 @@ def write_surface(path: str, mesh: "ControlMesh", surface: "LimitSurface", level
 
     drawn = level is not None or Path(path).suffix.lower() in DRAWN
     api.write(path, surface.tessellate(DEFAULT_LEVEL if level is None else level) if drawn else mesh)
+
+
+def made_folder(name: str) -> Path:
+    """Make a folder where there is none; raises MachineError."""
+    folder = Path(name)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise MachineError(f"cannot make the folder {name}: {error.strerror or error}; choose another") from error
+    return folder
 
 
 def write_json(path: str | Path, document: dict[str, Any]) -> None:
