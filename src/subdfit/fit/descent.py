@@ -71,6 +71,8 @@ class Descent:
             fresh = samples.renewed(moved.surface, state.data.target)
             left = merit(moved, fresh, curves, self.weights, self.bound, insistence)
             if left >= energy:
+                if self.damping >= DAMPING_RANGE[1]:
+                    break
                 self.damping = min(self.damping * 10, DAMPING_RANGE[1])
                 continue
             self.damping = max(self.damping / 3, DAMPING_RANGE[0])
