@@ -7,10 +7,12 @@ import trimesh
 import subdfit
 from shapes.drilled import distance_from_edges, drilled_block
 from subdfit.errors import InputError
+from subdfit.fit.driver import fit_target
 from subdfit.fit.lavoue import lavoue_start
 from subdfit.fit.settings import FitSettings
 from subdfit.limit.surface import LimitSurface
-from subdfit.target.target import cloud_target
+from subdfit.measure import Tolerance
+from subdfit.target.target import cloud_target, mesh_target
 
 
 def euler(topology):
@@ -80,6 +82,23 @@ def test_sheets_that_fell_together_are_not_certified():
         surface = subdfit.LimitSurface(result.control_mesh).tessellate(3)
         volume = trimesh.Trimesh(surface.points, surface.triangles, process=False).volume
         assert result.certified == (volume > 0.5 * disk.volume)
+
+
+def bowl(thickness):
+    """Half of a hollow ball, open at the top."""
+    turn = np.linspace(0, np.pi / 2, 8)
+    outer = np.stack([np.sin(turn), -np.cos(turn)], axis=1)
+    outline = np.concatenate([outer, (1 - thickness) * outer[::-1]])
+    outline[[0, -1], 0] = 0.0
+    return trimesh.creation.revolve(outline, sections=24)
+
+
+def test_a_thin_bowl_keeps_its_sheets_apart():
+    """Control edges between points of its rims alone would run through its wall."""
+    shape = bowl(0.1)
+    settings = FitSettings("quad-triangle", "lavoue", Tolerance(max=0.005), max_iterations=1)
+    result = fit_target(mesh_target(np.asarray(shape.vertices), np.asarray(shape.faces)), settings)
+    assert result.measurement.facing_away < 0.05
 
 
 def test_open_parts_keep_their_boundary(meshes):
