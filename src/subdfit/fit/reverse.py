@@ -56,14 +56,15 @@ class Samples:
         uv: Floats,
         bound: float | None = None,
         near: NDArray[np.int32] | None = None,
+        position: Floats | None = None,
     ) -> "Samples":
         """Find the feet of samples, only of those farther off than `bound` where that is given; a cloud has none.
 
-        `near` (k,) names a triangle likely to be near each.
+        `near` (k,) names a triangle likely to be near each; `position` (k, 3) is where they are, if that is known.
         """
         if not target.is_mesh or len(face) == 0:
             return cls.none()
-        position = surface.evaluate(face, uv).position
+        position = surface.evaluate(face, uv).position if position is None else position
         found = target.tree.closest(position, start=near)
         gap = found.distance - target.allowance(position, found)
         far = slice(None) if bound is None else np.flatnonzero(gap > bound)
@@ -110,9 +111,9 @@ def strays(
     """
     segments = segments or reverse_segments(surface.domain)
     sampled = surface_samples(surface, cells, segments)
-    found = Samples.of(surface, target, sampled.face, sampled.uv, bound / LOW)
+    found = Samples.of(surface, target, sampled.face, sampled.uv, bound / LOW, position=sampled.position)
     near = found.triangle
-    tops = peaks(surface, found.face, found.uv, found.gap, lambda places, rows: target.gaps(places, near[rows]))
+    tops = peaks(surface, found.face, found.uv, found.gap, lambda places, rows: target.gaps(places, near[rows]), bound)
     found = found[found.gap > bound].joined(Samples.of(surface, target, *tops, bound))
     return found[_farthest(found, segments)]
 

@@ -18,6 +18,9 @@ FEW, FEWEST = 0.01, 10
 INSISTENCE = 2.0
 MOST_INSISTENCE = 1e4
 """Strays that are left are drawn by so many times the weight of the round before, up to the second number."""
+STUBBORN, GAIN = 16.0, 0.98
+"""Strays drawn by more than the first number that a round leaves at more than the second share of their distance move
+no further: what is missing there is freedom, not weight."""
 
 
 class Strays:
@@ -32,6 +35,7 @@ class Strays:
     def __init__(self, bound: float | None) -> None:
         self.bound = bound
         self._insistence = 1.0
+        self._left = np.inf
         self._seen: tuple[LimitSurface, Samples] | None = None
         self._steadiest: tuple[float, FitState, tuple[LimitSurface, Samples]] | None = None
         self._cut = 0
@@ -81,11 +85,13 @@ class Strays:
     def insist(self, state: FitState, within: bool) -> float:
         """Weight with which to draw samples now: more each time that some stray and the data are `within` tolerance.
 
-        After the most all begins anew.
+        After the most, or where more gains nothing, all begins anew.
         """
+        before, self._left = self._left, self.worst(state)
+        stuck = self._insistence > STUBBORN and self._left > GAIN * before
         if not within:
             self._insistence = max(self._insistence / INSISTENCE, 1.0)
-        elif self.worst(state) > 1 and self._insistence < MOST_INSISTENCE:
+        elif self._left > 1 and self._insistence < MOST_INSISTENCE and not stuck:
             self._insistence *= INSISTENCE
         else:
             self._insistence, self._cutting_helps = 1.0, True

@@ -188,7 +188,12 @@ def _reverse(surface: LimitSurface, target: Target) -> _Reverse:
     high = np.flatnonzero(gap >= PEAK * gap.max())
     near = found.triangle[high]
     face, uv = peaks(
-        surface, samples.face[high], samples.uv[high], gap[high], lambda places, rows: target.gaps(places, near[rows])
+        surface,
+        samples.face[high],
+        samples.uv[high],
+        gap[high],
+        lambda places, rows: target.gaps(places, near[rows]),
+        gap.max(),
     )
     tops = surface.evaluate(face, uv).position
     farthest = max(found.distance.max(), target.tree.closest(tops).distance.max())

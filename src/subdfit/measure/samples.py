@@ -78,7 +78,12 @@ def surface_samples(surface: LimitSurface, some: Flags | None = None, segments: 
 
 
 def peaks(
-    surface: LimitSurface, face: NDArray[np.int32], uv: Floats, gap: Floats, gap_at: Callable[[Floats, Rows], Floats]
+    surface: LimitSurface,
+    face: NDArray[np.int32],
+    uv: Floats,
+    gap: Floats,
+    gap_at: Callable[[Floats, Rows], Floats],
+    least: float,
 ) -> tuple[NDArray[np.int32], Floats]:
     """Where the cells of some samples are farthest off the target, as a search from the farthest sample of each finds.
 
@@ -90,6 +95,8 @@ def peaks(
         Samples, (n,), (n, 2), and how far off they are, (n,).
     gap_at
         How far off positions are, (k, 3) and the rows of the samples from which they came to (k,).
+    least
+        How far off a peak must be to matter: where none so far can be expected the search ends.
 
     Returns
     -------
@@ -98,16 +105,22 @@ def peaks(
     order = np.lexsort((-gap, face))
     rows = order[np.flatnonzero(np.diff(face[order], prepend=-1))]
     face, uv, gap = face[rows], uv[rows], gap[rows]
-    around, origin, each = np.repeat(face, len(AROUND)), np.repeat(rows, len(AROUND)), np.arange(len(face))
-    step = 1.0 / reverse_segments(surface.domain)
-    for _ in range(ROUNDS if len(face) else 0):
+    going, step = np.arange(len(face)), 1.0 / reverse_segments(surface.domain)
+    for _ in range(ROUNDS):
+        if len(going) == 0:
+            break
         step /= 2
-        tried = _inside(surface.domain, around, (uv[:, None] + step * AROUND).reshape(-1, 2))
-        gaps = gap_at(surface.evaluate(around, tried).position, origin).reshape(-1, len(AROUND))
-        best = gaps.argmax(axis=1)
-        better = gaps[each, best] > gap
-        uv = np.where(better[:, None], tried.reshape(-1, len(AROUND), 2)[each, best], uv)
-        gap = np.where(better, gaps[each, best], gap)
+        around = np.repeat(face[going], len(AROUND))
+        tried = _inside(surface.domain, around, (uv[going, None] + step * AROUND).reshape(-1, 2))
+        gaps = gap_at(surface.evaluate(around, tried).position, np.repeat(rows[going], len(AROUND)))
+        gaps = gaps.reshape(-1, len(AROUND))
+        best, each = gaps.argmax(axis=1), np.arange(len(going))
+        better = gaps[each, best] > gap[going]
+        uv[going[better]] = tried.reshape(-1, len(AROUND), 2)[each, best][better]
+        lowest = np.minimum(gaps.min(axis=1), gap[going])
+        gap[going] = np.maximum(gaps[each, best], gap[going])
+        # Of a quadratic function the highest of a grid lacks half of what it exceeds a neighbour by at most.
+        going = going[gap[going] + (gap[going] - lowest) / 2 >= least]
     return face, uv
 
 
@@ -131,11 +144,11 @@ def reverse_segments(domain: Domain) -> int:
 
 def _times(position: Floats, grid: Lattice, segments: int) -> NDArray[np.int64]:
     """How many times the segments each cell, (c,), needs for samples that lie near enough."""
-    corners = position[grid.triangles]
-    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
-    count = np.diff(grid.begin)
-    longest = np.zeros(len(count))
-    np.maximum.at(longest, np.repeat(np.arange(len(count)), count), sides)
+    a, b, c = (position[grid.triangles[:, k]] for k in range(3))
+    squares = np.max([np.einsum("td,td->t", side, side) for side in (b - a, c - b, a - c)], axis=0)
+    sampled = np.flatnonzero(np.diff(grid.begin))
+    longest = np.zeros(len(grid.begin) - 1)
+    longest[sampled] = np.sqrt(np.maximum.reduceat(squares, grid.begin[sampled])) if len(sampled) else 0.0
     most = max(MOST_SEGMENTS // segments, 1)
     times = np.clip(np.ceil(longest / SPACING), 1, most)
     excess = np.sum((times * segments) ** 2) / MOST_IN_ALL
