@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from subdfit.compiled import compile_clock
 from subdfit.errors import InputError
@@ -16,18 +15,16 @@ from subdfit.fit.data import FitData
 from subdfit.fit.fitter import Fitter
 from subdfit.fit.geometric import Geometric
 from subdfit.fit.held import boundary_held
-from subdfit.fit.lavoue import Lavoue, lavoue_start
+from subdfit.fit.lavoue import Lavoue
 from subdfit.fit.result import FitResult, Iteration, Status
 from subdfit.fit.settings import FitSettings
-from subdfit.fit.sheets import mixed_sheets
+from subdfit.fit.starts import parted, started
 from subdfit.fit.state import FitState
-from subdfit.fit.stop import badness, error_that_matters, within
+from subdfit.fit.stop import badness, within
 from subdfit.fit.thinning import Thinning
-from subdfit.initial.start import DOUBLING, LARGEST_SHARE, REFININGS, start_mesh
 from subdfit.limit.surface import LimitSurface
 from subdfit.measure import Measurement, Outliers, measure
 from subdfit.mesh.control_mesh import ControlMesh
-from subdfit.schemes import scheme_named
 from subdfit.target.frame import Frame
 from subdfit.target.target import Target
 
@@ -37,11 +34,6 @@ METHODS: dict[str, Callable[[FitSettings], Fitter]] = {"auto": Auto, "geometric"
 
 REVERSE_GROWTH, REVERSE_ROOM = 1.3, 300
 """Factor of control vertices spent on the reverse side after the data's side is within tolerance, or so many more."""
-
-LOST = 0.01
-"""Share of the surface that faces the wrong way after the first round from a part's own curves, from which no later
-round unfolds it: of parts whose fits were certified it was .0032 at most, of others .033 and more."""
-DECIMATED = "between the part's own curves alone its sheets would be mixed up; the fit begins with its mesh decimated"
 
 
 class Progress(NamedTuple):
@@ -163,11 +155,12 @@ def fit_target(
     settings = replace(settings, max_control_vertices=settings.max_control_vertices or len(target.used))
     run = _Run(target, settings, Frame.of(target.points[target.used]), progress)
     clock = time.perf_counter()
-    inside, mesh = _started(target.normalised(run.frame), settings)
+    inside, mesh = started(target.normalised(run.frame), settings)
     data = FitData.of(inside, settings.sample_spacing)
     run.timed("start", clock)
     clock = time.perf_counter()
-    state = _parted(run, FitState.start(data, LimitSurface(mesh, settings.scheme)))
+    state = FitState.start(data, LimitSurface(mesh, settings.scheme))
+    state = parted(state, settings, lambda: METHODS[settings.method](settings))
     if settings.fixed_boundary:
         state = boundary_held(state, settings)
     run.timed("footpoints", clock)
@@ -218,59 +211,6 @@ def _thinned(run: _Run, state: FitState, measurement: Measurement, fitter: Fitte
         if measured.certifies(tolerance) or (measured.meets(tolerance) and not measurement.certifies(tolerance)):
             return found, measured
     return state, measurement
-
-
-def _started(target: Target, settings: FitSettings) -> tuple[Target, ControlMesh]:
-    """The target as its method sees it, and the first control mesh."""
-    if settings.method == "lavoue":
-        return lavoue_start(target, settings)
-    return target, _decimated(target, settings, settings.control_vertices)
-
-
-def _decimated(
-    target: Target, settings: FitSettings, count: int | None, weights: NDArray[np.float64] | None = None
-) -> ControlMesh:
-    """The target's own mesh with fewer vertices; see `start_mesh` for the count and the weights."""
-    scale = settings.tolerance.max or error_that_matters(settings.tolerance)
-    budget, faces = settings.max_control_vertices, scheme_named(settings.scheme).faces
-    return start_mesh(target, count, scale, budget, faces, weights)
-
-
-def _parted(run: _Run, state: FitState) -> FitState:
-    """The first state, or one of another control mesh where it would mix up the sheets of thin parts."""
-    settings, state = run.settings, run.excused(state)
-    if settings.control_vertices is not None:
-        return state
-    if settings.method == "lavoue":
-        found = mixed_sheets(state, METHODS[settings.method](settings))
-        if found is None or found.share <= LOST:
-            return state
-        logger.warning("%s", DECIMATED)
-        state = _begun_again(run, state, _decimated(state.data.target, settings, None))
-    return _parted_by_more(run, state)
-
-
-def _parted_by_more(run: _Run, state: FitState) -> FitState:
-    """The state with more control vertices, and again, where sheets are mixed up."""
-    settings = run.settings
-    most = min(LARGEST_SHARE * len(run.target.used), settings.max_control_vertices or np.inf)
-    weights = np.ones(len(run.target.points))
-    for _ in range(REFININGS):
-        found = mixed_sheets(state, METHODS[settings.method](settings))
-        if found is None:
-            break
-        mesh = state.surface.control_mesh
-        wanted = len(mesh.points) + int(found.near(mesh.points).sum())
-        if wanted > most:
-            break
-        weights[found.near(state.data.target.points)] *= DOUBLING
-        state = _begun_again(run, state, _decimated(state.data.target, settings, wanted, weights))
-    return state
-
-
-def _begun_again(run: _Run, state: FitState, mesh: ControlMesh) -> FitState:
-    """The state of another first control mesh."""
-    return run.excused(FitState.start(state.data, LimitSurface(mesh, run.settings.scheme)))
 
 
 def _measured(run: _Run, state: FitState) -> Measurement:

@@ -1,0 +1,87 @@
+"""The first state of a fit, and another where it would mix up the sheets of thin parts."""
+
+import logging
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subdfit.fit.fitter import Fitter
+from subdfit.fit.lavoue import lavoue_start
+from subdfit.fit.settings import FitSettings
+from subdfit.fit.sheets import mixed_sheets
+from subdfit.fit.state import FitState
+from subdfit.fit.stop import error_that_matters
+from subdfit.initial.start import DOUBLING, LARGEST_SHARE, REFININGS, start_mesh
+from subdfit.limit.surface import LimitSurface
+from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.schemes import scheme_named
+from subdfit.target.target import Target
+
+logger = logging.getLogger(__name__)
+
+LOST = 0.01
+"""Share of the surface that faces the wrong way after the first round from a part's own curves, from which no later
+round unfolds it: of parts whose fits were certified it was .0032 at most, of others .033 and more."""
+DECIMATED = "between the part's own curves alone its sheets would be mixed up; the fit begins with its mesh decimated"
+
+
+def started(target: Target, settings: FitSettings) -> tuple[Target, ControlMesh]:
+    """The target as its method sees it, and the first control mesh."""
+    if settings.method == "lavoue":
+        return lavoue_start(target, settings)
+    return target, _decimated(target, settings, settings.control_vertices)
+
+
+def parted(state: FitState, settings: FitSettings, fitter: Callable[[], Fitter]) -> FitState:
+    """The first state, or one of another control mesh where it would mix up the sheets of thin parts.
+
+    A round by a new `fitter` shows whether they stay mixed up.
+    """
+    state = _excused(state, settings)
+    if settings.control_vertices is not None:
+        return state
+    if settings.method == "lavoue":
+        found = mixed_sheets(state, fitter())
+        if found is None or found.share <= LOST:
+            return state
+        logger.warning("%s", DECIMATED)
+        state = _begun_again(state, settings, _decimated(state.data.target, settings, None))
+    return _parted_by_more(state, settings, fitter)
+
+
+def _parted_by_more(state: FitState, settings: FitSettings, fitter: Callable[[], Fitter]) -> FitState:
+    """The state with more control vertices, and again, where sheets are mixed up."""
+    target = state.data.target
+    most = min(LARGEST_SHARE * len(target.used), settings.max_control_vertices or np.inf)
+    weights = np.ones(len(target.points))
+    for _ in range(REFININGS):
+        found = mixed_sheets(state, fitter())
+        if found is None:
+            break
+        mesh = state.surface.control_mesh
+        wanted = len(mesh.points) + int(found.near(mesh.points).sum())
+        if wanted > most:
+            break
+        weights[found.near(target.points)] *= DOUBLING
+        state = _begun_again(state, settings, _decimated(target, settings, wanted, weights))
+    return state
+
+
+def _decimated(
+    target: Target, settings: FitSettings, count: int | None, weights: NDArray[np.float64] | None = None
+) -> ControlMesh:
+    """The target's own mesh with fewer vertices; see `start_mesh` for the count and the weights."""
+    scale = settings.tolerance.max or error_that_matters(settings.tolerance)
+    budget, faces = settings.max_control_vertices, scheme_named(settings.scheme).faces
+    return start_mesh(target, count, scale, budget, faces, weights)
+
+
+def _begun_again(state: FitState, settings: FitSettings, mesh: ControlMesh) -> FitState:
+    """The state of another first control mesh."""
+    return _excused(FitState.start(state.data, LimitSurface(mesh, settings.scheme)), settings)
+
+
+def _excused(state: FitState, settings: FitSettings) -> FitState:
+    """The state with its outliers left out, where that is allowed."""
+    return state.excusing(settings.robust, settings.tolerance.max)
