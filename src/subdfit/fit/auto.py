@@ -108,7 +108,7 @@ class Auto:
         dense = state.data.vertices >= DENSE * (len(topology.face) - 2 * topology.face_count)
         late = len(self._bad_faces(state)) <= LATE * topology.face_count
         drawn = late and dense and not spiky
-        return sparse_samples(state).joined(self._strays.samples(state)) if drawn else sparse_samples(state)
+        return sparse_samples(state).joined(self._strays.even(state)) if drawn else sparse_samples(state)
 
     def _moved_near(self, state: FitState, focus: Flags) -> FitState:
         """Move the control vertices near some, one spot after the other, by all points and samples there."""

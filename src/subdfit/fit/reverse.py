@@ -127,10 +127,15 @@ def _farthest(samples: Samples, segments: int) -> NDArray[np.int64]:
     return np.sort(order[first])
 
 
-def even_samples(surface: LimitSurface, target: Target, cells: Flags, segments: int) -> Samples:
-    """As many samples in each of the flagged cells, (c,), with so many segments a side."""
+def even_samples(
+    surface: LimitSurface, target: Target, segments: int, cells: Flags | None = None, bound: float | None = None
+) -> Samples:
+    """As many samples in each cell, or each of the flagged ones, (c,), with so many segments a side.
+
+    Where `bound` is given, those farther off alone.
+    """
     grid = lattice(surface.domain, segments, cells)
-    return Samples.of(surface, target, grid.face, grid.uv)
+    return Samples.of(surface, target, grid.face, grid.uv, bound)
 
 
 def reverse_badness(state: FitState, tolerance: Tolerance) -> float:

@@ -61,7 +61,7 @@ class Spot:
         return found.surface.control_mesh.points
 
     def _settled(self, state: FitState, insistence: float) -> FitState:
-        samples = even_samples(state.surface, state.data.target, self.inner, self.segments).joined(
+        samples = even_samples(state.surface, state.data.target, self.segments, self.inner).joined(
             strays(state.surface, state.data.target, self.bound / 2, self.inner, self.segments)
         )
         part = Part(state, samples, sparse_curve_samples(state, self.inner), self.moving, STEPS, GAIN)

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from subdfit.fit.changes import changed_cells
 from subdfit.fit.faults import large_enough
 from subdfit.fit.places import Places
-from subdfit.fit.reverse import Samples, strays
+from subdfit.fit.reverse import Samples, even_samples, strays
 from subdfit.fit.state import FitState
 from subdfit.limit.surface import LimitSurface
 from subdfit.measure import reverse_segments
@@ -49,6 +49,16 @@ class Strays:
         if self._seen is None or self._seen[0] is not surface:
             self._seen = (surface, self._found(state))
         return self._seen[1]
+
+    def even(self, state: FitState) -> Samples:
+        """Those of even samples that stray as far, without the peaks between them.
+
+        While much is still too far off peaks would pull the hardest, and at tangled sheets to the wrong one.
+        """
+        surface = state.surface
+        if self.bound is None:
+            return Samples.none()
+        return even_samples(surface, state.data.target, reverse_segments(surface.domain), bound=self.bound / 2)
 
     def _found(self, state: FitState) -> Samples:
         surface, bound = state.surface, (self.bound or np.inf) / 2
