@@ -10,14 +10,14 @@ from subdfit.fit.auto import Auto
 from subdfit.fit.changes import cells_moved_by, changed_cells
 from subdfit.fit.data import FitData
 from subdfit.fit.regions import regions
-from subdfit.fit.reverse import CurveSamples, Samples, inner_samples, strays
+from subdfit.fit.reverse import CurveSamples, Samples, even_samples, inner_samples, strays
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.spots import Spot
 from subdfit.fit.state import FOOTPOINT_TOLERANCE, FitState
 from subdfit.fit.strays import Strays
 from subdfit.fit.tangent import TangentSettings
 from subdfit.limit import LimitSurface
-from subdfit.measure import Tolerance
+from subdfit.measure import Tolerance, reverse_segments
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.mesh.topology import Topology
 from subdfit.target.frame import Frame
@@ -218,7 +218,8 @@ def test_a_spot_without_data_is_drawn_to_the_target(state: FitState) -> None:
 def test_what_strays_is_drawn_once_few_faces_are_too_far_off(state: FitState, share: float, drawn: bool) -> None:
     bound = share * state.errors.max
     fitter = Auto(FitSettings(tolerance=Tolerance(max=bound)))
-    straying = strays(state.surface, state.data.target, bound / 2)
+    even = even_samples(state.surface, state.data.target, reverse_segments(state.surface.domain))
+    straying = even[even.gap > bound / 2]
     taken = places_of(fitter._samples(state), state.surface)
     assert len(straying)
     assert (taken.query(places_of(straying, state.surface).data)[0].max() < 1e-12) == drawn
