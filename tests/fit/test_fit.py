@@ -47,7 +47,7 @@ def test_auto_certifies_a_sphere(ball: Target) -> None:
     count = result.surface.domain.face_count
     fine = result.surface.evaluate(np.arange(count), np.full((count, 2), 0.3))
     radius = np.linalg.norm(fine.position, axis=1)
-    assert np.abs(radius - 1).max() <= 5e-4 * ball.diagonal + ball.sagitta.max()
+    assert np.abs(radius - 1).max() <= 5e-4 * ball.diagonal + ball.faceting
 
 
 def test_error_falls_with_the_square_of_the_spacing(ball: Target) -> None:

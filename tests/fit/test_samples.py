@@ -61,7 +61,7 @@ def test_gaps_are_distances_beyond_the_allowance(state: FitState) -> None:
     samples = inner_samples(state.surface, target, np.arange(state.surface.domain.face_count))
     place = state.surface.evaluate(samples.face, samples.uv).position
     found = target.tree.closest(place)
-    beyond = np.maximum(found.distance - target.sagitta[found.triangle], 0.0)
+    beyond = np.maximum(found.distance - target.sagitta(found.triangle, found.uv), 0.0)
     np.testing.assert_allclose(samples.gap, beyond, atol=1e-12)
 
 

@@ -20,7 +20,7 @@ def test_a_box_with_an_isolated_point():
     assert target.crease_tree is target.crease_tree is not None
     assert target.tree.closest(np.array([[0.0, 0.0, 1.5]])).distance[0] == pytest.approx(0.5)
     assert target.crease_tree.closest(np.array([[0.0, 0.0, 1.0]])).distance[0] == pytest.approx(0.5)
-    assert target.sagitta.max() < 1e-14
+    assert target.faceting < 1e-14
 
 
 def test_creases_by_choice():

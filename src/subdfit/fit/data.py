@@ -20,8 +20,8 @@ class FitData:
     ----------
     points : (k, 3), the target's used vertices, then samples inside large faces.
     vertices : how many of them are vertices.
-    allowance : (k,), what a point may lie off beyond the tolerance: 0 for vertices, a sample's face's sagitta; infinite
-        for a vertex that is left out as an outlier.
+    allowance : (k,), what a point may lie off beyond the tolerance: 0 for vertices, the sagitta there for samples;
+        infinite for a vertex that is left out as an outlier.
     boundary, crease : rows of the points that lie on the target's boundary, on its creases.
     target : the target itself, in the normalised frame.
     """
@@ -44,7 +44,7 @@ class FitData:
             triangle, uv = face_samples(target.points, target.triangles, spacing)
             points = np.concatenate([points, target.on_triangles(triangle, uv)])
             if len(triangle):
-                allowance = np.concatenate([allowance, target.sagitta[triangle]])
+                allowance = np.concatenate([allowance, target.sagitta(triangle, uv)])
         boundary = _known(row[target.boundary_edges])
         crease = np.setdiff1d(_known(row[target.crease_edges]), boundary)
         return cls(points, len(used), allowance, boundary, crease, target)

@@ -57,9 +57,9 @@ class Measurement:
     max, rms, mean : data points (the target's used vertices) to the limit surface.
     reverse_max, reverse_rms, reverse_mean : samples of the surface to the target's faces (points alone: to these).
     boundary, crease : the target's curve points to the surface's curves; None where either has none.
-    faceting : the largest sagitta of the target's faces.
-    samples_excess : how far samples inside large faces lie off beyond their face's sagitta, at most.
-    reverse_excess : how far the surface lies off beyond the allowance of the face it meets, at most.
+    faceting : the largest sagitta of the target.
+    samples_excess : how far samples inside large faces lie off beyond the sagitta there, at most.
+    reverse_excess : how far the surface lies off beyond the allowance where it meets the target, at most.
     reverse_held : rms and mean that the tolerance applies to where no largest error is asked: of a mesh those of the
         reverse side, of a cloud, whose faces are our own making, those beyond their allowance.
     footpoints : of the data points, in the normalised frame.
@@ -144,7 +144,7 @@ def measure(
         reverse_mean=reverse_mean,
         boundary=None if target.cloud else _curve_errors(surface, target, inner=False),
         crease=_curve_errors(surface, target, inner=True),
-        faceting=float(target.sagitta.max()) if target.is_mesh else 0.0,
+        faceting=target.faceting,
         samples_excess=_samples_excess(projector, target, spacing),
         reverse_excess=reverse.excess,
         reverse_held=_rms_and_mean(held),
@@ -208,7 +208,8 @@ def _samples_excess(projector: Projector, target: Target, spacing: float) -> flo
     triangle, uv = face_samples(target.points, target.triangles, spacing)
     if len(triangle) == 0:
         return 0.0
-    return float((projector.certain(target.on_triangles(triangle, uv)).distance - target.sagitta[triangle]).max())
+    distance = projector.certain(target.on_triangles(triangle, uv)).distance
+    return float((distance - target.sagitta(triangle, uv)).max())
 
 
 def _curve_errors(surface: LimitSurface, target: Target, inner: bool) -> CurveErrors | None:

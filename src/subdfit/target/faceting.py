@@ -6,17 +6,16 @@ from numpy.typing import NDArray
 from subdfit.target.features import mesh_edges
 from subdfit.target.normals import sector_normals, vertex_normals
 
+Floats = NDArray[np.float64]
 
-def sagitta(
-    points: NDArray[np.float64], triangles: NDArray[np.integer], crease_edges: NDArray[np.integer]
-) -> NDArray[np.float64]:
-    """Largest distance of each facet from the smooth surface it stands for, (m,) float64, in the points' unit.
 
-    That surface is taken as the curved PN triangle (Vlachos et al., Curved PN triangles, 2001, section 3)
-    over normals that are averaged within smooth sectors only, so that creases do not count as curvature.
-    With ``w_ij = (p_j - p_i) . n_i`` it lies ``-(w_ij n_i + w_ji n_j) / 8`` off the middle of edge ij and
-    ``-sum(w_ij n_i) / 18`` off the centre; the largest of the four lengths is returned. On a sphere or a
-    cylinder this is the sagitta up to terms of fourth order in the angle of the facet.
+def rises(points: Floats, triangles: NDArray[np.integer], crease_edges: NDArray[np.integer]) -> Floats:
+    """Vectors from the middles of the sides of triangles to the smooth surface they stand for, (m, 3, 3) float64.
+
+    Row ``[t, i]`` belongs to the side from corner i to the next. That surface is taken as the curved PN triangle
+    (Vlachos et al., Curved PN triangles, 2001, section 3) over normals that are averaged within smooth sectors only, so
+    that creases do not count as curvature. With ``w_ij = (p_j - p_i) . n_i`` it lies ``-(w_ij n_i + w_ji n_j) / 8`` off
+    the middle of side ij. Both triangles beside a side have the same; beside a crease, the longer of theirs.
 
     Parameters
     ----------
@@ -24,22 +23,63 @@ def sagitta(
     triangles : (m, 3) int, rows of `points`, oriented alike.
     crease_edges : (c, 2) int, rows of `points`: edges across which the surface is not smooth.
     """
-    normals = _corner_normals(points, triangles, np.asarray(crease_edges, np.int64).reshape(-1, 2))
+    creases = np.asarray(crease_edges, np.int64).reshape(-1, 2)
+    normals = _corner_normals(points, triangles, creases)
     corners = points[triangles]
-    rise = np.zeros((3, len(triangles), 3))
+    found = np.empty((len(triangles), 3, 3))
     for i in range(3):
         j = (i + 1) % 3
-        chord = corners[:, j] - corners[:, i]
-        rise[i] += np.sum(chord * normals[:, i], axis=1, keepdims=True) * normals[:, i]
-        rise[i] -= np.sum(chord * normals[:, j], axis=1, keepdims=True) * normals[:, j]
-    middle: NDArray[np.float64] = np.linalg.norm(rise, axis=2).max(axis=0) / 8.0
-    centre: NDArray[np.float64] = np.linalg.norm(rise.sum(axis=0), axis=1) / 18.0
-    return np.maximum(middle, centre)
+        chord, n_i, n_j = corners[:, j] - corners[:, i], normals[:, i], normals[:, j]
+        found[:, i] = np.einsum("td,td->t", chord, n_j)[:, None] * n_j
+        found[:, i] -= np.einsum("td,td->t", chord, n_i)[:, None] * n_i
+    found /= 8.0
+    return _shared_at_creases(found, triangles, creases)
 
 
-def _corner_normals(
-    points: NDArray[np.float64], triangles: NDArray[np.integer], creases: NDArray[np.int64]
-) -> NDArray[np.float64]:
+def height(rise: Floats, uv: Floats) -> Floats:
+    """How far the smooth surface lies off points of triangles, (k,) float64: 0 at vertices, continuous across sides.
+
+    The terms of second order of the curved PN triangle, ``4 |sum of b_i b_j rise_ij|`` at barycentric b: exact in the
+    middle of the sides and of the triangle. On a sphere or a cylinder it is right up to terms of fourth order in the
+    angle of the facet.
+
+    Parameters
+    ----------
+    rise : (k, 3, 3) float64, the triangles' `rises`.
+    uv : (k, 2) float64, where the points lie, at barycentric (1 - u - v, u, v).
+    """
+    b = np.column_stack([1.0 - uv.sum(axis=1), uv])
+    off = np.einsum("ki,kid->kd", b * np.roll(b, -1, axis=1), rise)
+    return np.asarray(4.0 * np.linalg.norm(off, axis=1))
+
+
+def sagitta(rise: Floats) -> Floats:
+    """Largest height over each of some triangles, (m,) float64: in the middle of a side or of the triangle.
+
+    Parameters
+    ----------
+    rise : (m, 3, 3) float64, the triangles' `rises`.
+    """
+    centre = np.linalg.norm(rise.sum(axis=1), axis=1) * (4.0 / 9.0)
+    return np.asarray(np.maximum(np.linalg.norm(rise, axis=2).max(axis=1, initial=0.0), centre))
+
+
+def _shared_at_creases(rise: Floats, triangles: NDArray[np.integer], creases: NDArray[np.int64]) -> Floats:
+    """Rises (m, 3, 3) where the two triangles beside each crease have the longer of theirs."""
+    if len(creases) == 0:
+        return rise
+    sides = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+    count = int(triangles.max()) + 1
+    key = sides @ [count, 1]
+    sharp = np.flatnonzero(np.isin(key, np.sort(creases, axis=1) @ [count, 1]))
+    rows = rise.reshape(-1, 3)
+    order = sharp[np.lexsort((-np.linalg.norm(rows[sharp], axis=1), key[sharp]))]
+    longest = np.diff(key[order], prepend=-1) != 0
+    rows[order] = rows[order[longest]][np.cumsum(longest) - 1]
+    return rise
+
+
+def _corner_normals(points: Floats, triangles: NDArray[np.integer], creases: NDArray[np.int64]) -> Floats:
     """Normals of the corners' smooth sectors, (m, 3, 3): the vertices' own where no crease meets them."""
     normals = vertex_normals(points, triangles)[triangles]
     at_crease = np.zeros(len(points), np.bool_)

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from subdfit.errors import InputError
 from subdfit.target.bvh import Closest, SegmentTree, TriangleTree
 from subdfit.target.curves import boundary_edges
-from subdfit.target.faceting import sagitta
+from subdfit.target.faceting import height, rises, sagitta
 from subdfit.target.features import automatic_creases, crease_edges
 from subdfit.target.frame import Frame
 from subdfit.target.normals import face_normals, vertex_normals
@@ -85,17 +85,25 @@ class Target:
         return np.asarray(distance, np.float64)
 
     @cached_property
-    def sagitta(self) -> NDArray[np.float64]:
-        """How far the surface that the mesh stands for may lie off each triangle, (m,) float64."""
-        return sagitta(self.points, self.triangles, self.crease_edges)
+    def _rises(self) -> NDArray[np.float64]:
+        return rises(self.points, self.triangles, self.crease_edges)
+
+    @cached_property
+    def faceting(self) -> float:
+        """How far the surface that the mesh stands for may lie off its triangles, at most; 0 for a point cloud."""
+        return float(sagitta(self._rises).max()) if self.is_mesh else 0.0
+
+    def sagitta(self, triangle: NDArray[np.integer], uv: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How far that surface lies off points of triangles, (k,): 0 at vertices, continuous across edges."""
+        return height(self._rises[triangle], uv)
 
     def allowance(self, queries: NDArray[np.float64], found: Closest) -> NDArray[np.float64]:
         """How far queries, (q, 3), may lie off their feet `found` on the triangles for no fault of the surface, (q,).
 
-        By the sagitta of the triangle; and beyond the rim of a cloud, which is as ragged as the points are apart, in
-        the plane of the triangle, by the distance to the next point along it.
+        By the sagitta at the foot; and beyond the rim of a cloud, which is as ragged as the points are apart, in the
+        plane of the triangle, by the distance to the next point along it.
         """
-        allowed: NDArray[np.float64] = self.sagitta[found.triangle]
+        allowed = self.sagitta(found.triangle, found.uv)
         if not self.cloud or self.boundary_tree is None:
             return allowed
         feet = self.on_triangles(found.triangle, found.uv)
