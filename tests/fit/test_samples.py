@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import trimesh
 from scipy.spatial import cKDTree
 
 from subdfit.closest.curves import SurfaceCurves
@@ -223,3 +224,12 @@ def test_what_strays_is_drawn_once_few_faces_are_too_far_off(state: FitState, sh
     taken = places_of(fitter._samples(state), state.surface)
     assert len(straying)
     assert (taken.query(places_of(straying, state.surface).data)[0].max() < 1e-12) == drawn
+
+
+def test_the_data_of_a_coarse_part_are_as_dense_as_its_samples() -> None:
+    """Faces of the control mesh are cut down to that, and a part of few large triangles needs small ones at corners."""
+    box = trimesh.creation.box(extents=np.ones(3) / np.sqrt(3))
+    coarse, dense = (mesh_target(mesh.vertices, mesh.faces) for mesh in (box, box.subdivide_to_size(0.02)))
+    assert FitData.of(coarse, 0.05).spacing == pytest.approx(0.05)
+    sides = dense.points[dense.triangles] - dense.points[np.roll(dense.triangles, 1, axis=1)]
+    assert FitData.of(dense, 0.05).spacing == pytest.approx(np.linalg.norm(sides, axis=2).mean())

@@ -24,6 +24,8 @@ class FitData:
         infinite for a vertex that is left out as an outlier.
     boundary, crease : rows of the points that lie on the target's boundary, on its creases.
     target : the target itself, in the normalised frame.
+    spacing : mean length of the target's edges, none counted as longer than samples inside faces are apart; 0 for a
+        cloud.
     """
 
     points: Floats
@@ -32,6 +34,7 @@ class FitData:
     boundary: NDArray[np.int64]
     crease: NDArray[np.int64]
     target: Target
+    spacing: float
 
     @classmethod
     def of(cls, target: Target, spacing: float) -> "FitData":
@@ -47,7 +50,7 @@ class FitData:
                 allowance = np.concatenate([allowance, target.sagitta(triangle, uv)])
         boundary = _known(row[target.boundary_edges])
         crease = np.setdiff1d(_known(row[target.crease_edges]), boundary)
-        return cls(points, len(used), allowance, boundary, crease, target)
+        return cls(points, len(used), allowance, boundary, crease, target, _mean_spacing(target, spacing))
 
     def subset(self, rows: NDArray[np.int64]) -> "FitData":
         """The data of some rows, ascending."""
@@ -61,15 +64,8 @@ class FitData:
             boundary[boundary >= 0],
             crease[crease >= 0],
             self.target,
+            self.spacing,
         )
-
-    @cached_property
-    def spacing(self) -> float:
-        """Mean length of the target's edges; 0 for a cloud."""
-        if not self.target.is_mesh:
-            return 0.0
-        corners = self.target.points[self.target.triangles]
-        return float(np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).mean())
 
     def without(self, outliers: NDArray[np.int64]) -> "FitData":
         """The same data with these vertices left out, and no others."""
@@ -100,6 +96,14 @@ class FitData:
         if self.target.cloud:
             inside[self.boundary] = True
         return inside
+
+
+def _mean_spacing(target: Target, most: float) -> float:
+    if not target.is_mesh:
+        return 0.0
+    corners = target.points[target.triangles]
+    length = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+    return float(np.minimum(length, most).mean())
 
 
 def _known(rows: NDArray[np.int64]) -> NDArray[np.int64]:
