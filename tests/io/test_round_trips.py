@@ -106,6 +106,13 @@ def test_ascii_stl(tmp_path):
     assert read(tmp_path / "a.stl").face_count == 12
 
 
+def test_a_cut_binary_stl_is_told_by_its_counts(tmp_path):
+    content = trimesh.creation.box().export(file_type="stl")
+    (tmp_path / "a.stl").write_bytes(content[:-60])
+    with pytest.raises(InputError, match=r"states 12 triangles, the file holds 10\.8"):
+        read(tmp_path / "a.stl")
+
+
 @pytest.mark.parametrize("extension", ["obj", "ply", "json", "off", "stl", "glb"])
 def test_same_mesh_same_bytes(tetrahedron, tmp_path, extension):
     for name in "ab":
