@@ -1,16 +1,16 @@
 """Changes that leave less of a control mesh: edges that collapse, faces that merge; and what each seems to cost."""
 
 from abc import ABC, abstractmethod
-from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.mesh.polygon_edits import PolygonEdits, sides
+from subdfit.mesh.topology import Topology
 
 Floats = NDArray[np.float64]
-Pairs = set[tuple[int, int]]
+Vertices = set[int]
 
 TRIES = 2
 """Collapses of one vertex that are tried."""
@@ -36,9 +36,9 @@ class Change(ABC):
     def make(self, edits: PolygonEdits) -> None:
         """Make the change."""
 
-    def named(self, names: NDArray[np.int64]) -> tuple[int, int]:
-        """The edge's ends by other names."""
-        return int(names[self.first]), int(names[self.second])
+    def named(self, names: NDArray[np.int64]) -> "Change":
+        """The same with other names of vertices, (n,)."""
+        return replace(self, first=int(names[self.first]), second=int(names[self.second]))
 
 
 class Collapse(Change):
@@ -65,39 +65,52 @@ class Merge(Change):
         edits.merge(self.first, self.second)
 
 
-def collapses(edits: PolygonEdits, limits: Floats, tried: Pairs) -> list[Change]:
-    """For each vertex the cheapest collapse that is possible and was not tried, few for each."""
-    count = Counter(v for v, _ in tried)
-    normals = {face: _normal(limits[ring]) for face, ring in edits.rings.items()}
-    found: list[Change] = []
-    for v in range(len(limits)):
-        if count[v] < TRIES:
-            possible = [w for w in sorted(edits.neighbours(v)) if (v, w) not in tried and edits.may_collapse(v, w)]
-            costs = _collapse_costs(edits, limits, normals, v, possible)
-            found += [Collapse(v, possible[k], float(costs[k])) for k in np.argsort(costs, kind="stable")[:1]]
-    return found
+@dataclass(frozen=True, eq=False)
+class Polygons:
+    """A control mesh with the limit points at its vertices, (n, 3), and the area normals of these polygons, (f, 3)."""
+
+    edits: PolygonEdits
+    limits: Floats
+    normals: Floats
+
+    @classmethod
+    def of(cls, topology: Topology, edits: PolygonEdits, limits: Floats) -> "Polygons":
+        """The polygons of a mesh open to edits."""
+        ends = topology.face_vertices[topology.following]
+        doubled = np.cross(limits[topology.face_vertices], limits[ends])
+        return cls(edits, limits, np.add.reduceat(doubled, topology.face_offsets[:-1]))
 
 
-def merges(edits: PolygonEdits, limits: Floats, tried: Pairs) -> list[Change]:
-    """Pairs of faces that become a convex quad, flat ones first."""
-    found: list[Change] = []
-    for v in range(len(limits)):
-        for w in sorted(edits.neighbours(v)):
-            if v < w and (v, w) not in tried and edits.may_merge(v, w, MOST_CORNERS):
-                cost = _merge_cost(edits, limits, v, w)
-                found += [Merge(v, w, cost)] if np.isfinite(cost) else []
-    return found
+def collapses(polygons: Polygons, v: int, tried: Vertices) -> list[Change]:
+    """The cheapest collapse of a vertex to one to which that was not tried, few in all."""
+    if len(tried) >= TRIES:
+        return []
+    edits = polygons.edits
+    possible = [w for w in sorted(edits.neighbours(v) - tried) if edits.may_collapse(v, w)]
+    if not possible:
+        return []
+    costs = _collapse_costs(polygons, v, possible)
+    return [Collapse(v, possible[k], float(costs[k])) for k in np.argsort(costs, kind="stable")[:1]]
 
 
-def _collapse_costs(
-    edits: PolygonEdits, limits: Floats, normals: dict[int, Floats], v: int, others: list[int]
-) -> Floats:
+def merges(polygons: Polygons, v: int, tried: Vertices) -> list[Change]:
+    """Pairs of faces at edges from a vertex to later ones that become a convex quad, where that was not tried."""
+    found, edits = [], polygons.edits
+    for w in sorted(edits.neighbours(v) - tried):
+        if v < w and edits.may_merge(v, w, MOST_CORNERS):
+            cost = _merge_cost(polygons, v, w)
+            found += [Merge(v, w, cost)] if np.isfinite(cost) else []
+    return list[Change](found)
+
+
+def _collapse_costs(polygons: Polygons, v: int, others: list[int]) -> Floats:
     """Squared distances of others from the planes of the faces round v and the lines of its creases, by area, (k,).
 
     Garland and Heckbert 1997, on limit points.
     """
+    edits, limits = polygons.edits, polygons.limits
     steps = limits[others] - limits[v]
-    normal = np.array([normals[face] for face in sorted(edits.faces_at(v))])
+    normal = polygons.normals[sorted(edits.faces_at(v))]
     area = np.maximum(np.linalg.norm(normal, axis=1), 1e-300)
     total = np.sum((steps @ normal.T) ** 2 / area, axis=1)
     for u in sorted(edits.sharp_neighbours(v)):
@@ -105,10 +118,11 @@ def _collapse_costs(
     return np.asarray(total)
 
 
-def _merge_cost(edits: PolygonEdits, limits: Floats, v: int, w: int) -> float:
+def _merge_cost(polygons: Polygons, v: int, w: int) -> float:
     """Squared sine of the angle between the two faces; infinite where the merged face is not convex."""
-    one, other = (edits.rings[face] for face in sorted(edits.faces_at(v) & edits.faces_at(w)))
-    a, b = (_normal(limits[ring]) for ring in (one, other))
+    edits, limits = polygons.edits, polygons.limits
+    faces = sorted(edits.faces_at(v) & edits.faces_at(w))
+    (one, other), (a, b) = (edits.rings[face] for face in faces), polygons.normals[faces]
     cosine = float(a @ b) / max(float(np.linalg.norm(a) * np.linalg.norm(b)), 1e-300)
     if cosine < FOLDED:
         return np.inf
@@ -125,7 +139,3 @@ def _outline(one: list[int], other: list[int]) -> list[int]:
     while after[ring[-1]] != ring[0]:
         ring.append(after[ring[-1]])
     return ring
-
-
-def _normal(ring: Floats) -> Floats:
-    return np.asarray(np.cross(ring, np.roll(ring, -1, axis=0)).sum(axis=0))

@@ -1,5 +1,6 @@
 """Triangles on the limit surface: every cell cut alike, vertices shared along common sides."""
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -8,7 +9,10 @@ from numpy.typing import NDArray
 from subdfit.errors import InputError
 from subdfit.schemes.domain import QUAD, TRIANGLE, Domain
 
-Nodes = list[tuple[int, int]]
+Nodes = NDArray[np.int64]
+
+REMEMBERED = 64
+"""Lattices of a cell that are remembered: surfaces are sampled again and again by the same few."""
 
 
 class Lattice(NamedTuple):
@@ -49,7 +53,7 @@ def lattice(domain: Domain, segments: int, some: NDArray[np.bool_] | None = None
         triangles[place.ravel()] = rows[:, cuts].reshape(-1, 3)
         numbers = np.concatenate([numbers, rows.ravel()])
         face = np.concatenate([face, np.repeat(cells, len(nodes))])
-        uv = np.concatenate([uv, np.tile(np.array(nodes) / segments, (len(cells), 1))])
+        uv = np.concatenate([uv, np.tile(nodes / segments, (len(cells), 1))])
     first = np.full(inner, -1, np.int64)
     first[numbers[::-1]] = np.arange(len(numbers))[::-1]
     used = first >= 0
@@ -84,21 +88,30 @@ def _shares_two_sides(domain: Domain) -> NDArray[np.bool_]:
     return np.asarray(found)
 
 
+@lru_cache(REMEMBERED)
 def grid_nodes(shape: int, segments: int) -> Nodes:
-    """The nodes (i, j) of a cell's lattice, at parameters i / segments and j / segments."""
-    return [(i, j) for j in range(segments + 1) for i in range(segments + 1 if shape == QUAD else segments + 1 - j)]
+    """The nodes (i, j) of a cell's lattice, (k, 2), at parameters i / segments and j / segments."""
+    j, i = np.mgrid[: segments + 1, : segments + 1].reshape(2, -1)
+    nodes = np.column_stack([i, j])[(shape == QUAD) | (i + j <= segments)]
+    nodes.setflags(write=False)
+    return nodes
 
 
+@lru_cache(REMEMBERED)
 def cut(shape: int, segments: int) -> NDArray[np.int64]:
     """Triangles of a cell's lattice as rows of its nodes, (t, 3).
 
     The lower left halves of all squares come first, row by row, then the upper right ones.
     """
     nodes = grid_nodes(shape, segments)
-    row = {node: k for k, node in enumerate(nodes)}
-    up = [(row[i, j], row[i + 1, j], row[i, j + 1]) for i, j in nodes if (i + 1, j) in row and (i, j + 1) in row]
-    down = [(row[i + 1, j], row[i + 1, j + 1], row[i, j + 1]) for i, j in nodes if (i + 1, j + 1) in row]
-    return np.array(up + down)
+    row = np.full((segments + 2, segments + 2), -1)
+    row[nodes[:, 0], nodes[:, 1]] = np.arange(len(nodes))
+    here, right, above, beyond = (row[nodes[:, 0] + i, nodes[:, 1] + j] for i, j in ((0, 0), (1, 0), (0, 1), (1, 1)))
+    lower, upper = (right >= 0) & (above >= 0), beyond >= 0
+    up = np.column_stack([here, right, above])[lower]
+    triangles = np.concatenate([up, np.column_stack([right, beyond, above])[upper]])
+    triangles.setflags(write=False)
+    return triangles
 
 
 def _weld(domain: Domain, cells: NDArray[np.int64], nodes: Nodes, segments: int, inner: int) -> NDArray[np.int64]:
@@ -110,8 +123,8 @@ def _weld(domain: Domain, cells: NDArray[np.int64], nodes: Nodes, segments: int,
     number, forward = _side_numbers(domain)
     shape = int(domain.shape[cells[0]]) if len(cells) else TRIANGLE
     rows = np.empty((len(cells), len(nodes)), np.int64)
-    for k, node in enumerate(nodes):
-        corner, side, along = _place(shape, node, segments)
+    for k, (i, j) in enumerate(nodes.tolist()):
+        corner, side, along = _place(shape, (i, j), segments)
         if corner >= 0:
             rows[:, k] = domain.points[cells, corner]
         elif side >= 0:

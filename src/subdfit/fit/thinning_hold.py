@@ -1,0 +1,90 @@
+"""What a lighter fit must go on to hold, and all its control points moved to hold it better."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subdfit.fit.descent import Descent, Part
+from subdfit.fit.held import boundary_vertices
+from subdfit.fit.reverse import reverse_badness, sparse_curve_samples, sparse_samples, strays
+from subdfit.fit.settings import FitSettings
+from subdfit.fit.state import FitState
+from subdfit.fit.stop import error_that_matters, within
+from subdfit.fit.tangent import TangentSettings
+from subdfit.mesh.topology import Topology
+
+Rows = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+ENOUGH = 24
+"""Points for each triangle of a face that take part in steps: large faces swing between fewer."""
+STEPS, GAIN = 4, 0.98
+"""Most steps, which end when one leaves more than this share of the energy."""
+DAMPING = 1e-2
+"""Their first damping: large faces leave directions in which little holds their vertices."""
+
+
+@dataclass(frozen=True, eq=False)
+class Kept:
+    """A fit after some changes.
+
+    Attributes
+    ----------
+    state : the fit.
+    rows : of its control vertices in the mesh before.
+    near : (n,) bool, vertices of that mesh near what has changed.
+    """
+
+    state: FitState
+    rows: Rows
+    near: Flags
+
+
+class Hold:
+    """What is asked of a fit.
+
+    Parameters
+    ----------
+    settings
+        The tolerance, and whether the boundary is held.
+    """
+
+    def __init__(self, settings: FitSettings) -> None:
+        self.tolerance = settings.tolerance
+        self.bound = error_that_matters(settings.tolerance)
+        self._fixed_boundary = settings.fixed_boundary
+
+    def holds(self, state: FitState) -> bool:
+        """Whether both sides are within tolerance."""
+        if not within(state, self.tolerance):
+            return False
+        if self.tolerance.max is not None:
+            return len(strays(state.surface, state.data.target, self.tolerance.max)) == 0
+        return reverse_badness(state, self.tolerance) <= 1
+
+    def free(self, topology: Topology) -> Flags:
+        """Control vertices that may move at all, (n,)."""
+        if self._fixed_boundary:
+            return ~boundary_vertices(topology)
+        return np.ones(topology.vertex_count, np.bool_)
+
+    def moved(self, state: FitState) -> FitState:
+        """All control points optimised, by some of the points."""
+        some, rows = state.thinned(ENOUGH)
+        samples = sparse_samples(some).joined(strays(state.surface, state.data.target, self.bound / 2))
+        curves = sparse_curve_samples(some, np.ones(state.surface.domain.face_count, np.bool_))
+        part = Part(some, samples, curves, self.free(state.surface.topology), STEPS, GAIN)
+        return state.followed(Descent(TangentSettings(), self.bound, DAMPING).moved(part), rows)
+
+    def room(self, state: FitState) -> float:
+        """How much the sum of the errors that are asked for may grow; of their squares, where an rms is asked."""
+        asked, count = self.tolerance, state.data.vertices
+        if asked.rms is not None:
+            return count * (asked.rms**2 - state.errors.rms**2)
+        return count * (asked.mean - state.errors.mean) if asked.mean is not None else np.inf
+
+    @property
+    def power(self) -> int:
+        """Of the errors whose sum has room."""
+        return 1 if self.tolerance.rms is None else 2

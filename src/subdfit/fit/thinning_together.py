@@ -1,0 +1,100 @@
+"""Trials of changes of a control mesh that all control points move to make up for: the error is spread."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subdfit.fit.adapt import drawn_near
+from subdfit.fit.changes import faces_at, ring
+from subdfit.fit.places import Places
+from subdfit.fit.state import FitState
+from subdfit.fit.thinning_changes import Change
+from subdfit.fit.thinning_hold import Hold, Kept
+from subdfit.limit.surface import LimitSurface
+from subdfit.mesh.polygon_edits import PolygonEdits
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+DRAWN = 20
+"""Steps that draw the limit points of what is left to where they were; nothing is refined here, and little swings."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Trial:
+    """Some changes made at once, and what each adds to the sum of the errors that are asked for, (changes,)."""
+
+    kept: Kept
+    loss: Floats
+
+
+class Together:
+    """Changes that have no vertex of their faces in common, made at once.
+
+    Parameters
+    ----------
+    hold
+        What must go on to hold.
+    """
+
+    patience = 3
+    """Trials in sequence from which nothing is kept, after which no more is tried."""
+
+    def __init__(self, hold: Hold) -> None:
+        self._hold = hold
+
+    def chosen(self, state: FitState, edits: PolygonEdits, changes: list[Change]) -> list[Change]:
+        """Those of the changes, first ones first, that may be made at once."""
+        taken: set[int] = set()
+        found = []
+        for change in changes:
+            near = change.near(edits)
+            if not near & taken:
+                taken |= near
+                found.append(change)
+        return found
+
+    def kept(self, state: FitState, changes: list[Change]) -> Kept | None:
+        """The fit with as many of the changes as leave it within tolerance; None where none does."""
+        while changes:
+            trial = self._trial(state, changes)
+            if self._hold.holds(trial.kept.state):
+                return trial.kept
+            changes = self._fewer(state, changes, trial.loss)
+        return None
+
+    def _fewer(self, state: FitState, changes: list[Change], loss: Floats) -> list[Change]:
+        """The cheapest of the changes for which there is room, half where there is for all."""
+        order = np.argsort(loss, kind="stable")
+        fit = np.searchsorted(np.cumsum(np.maximum(loss[order], 0.0)), self._hold.room(state), side="right")
+        most = fit if fit < len(order) else len(order) // 2
+        return [changes[k] for k in sorted(order[:most])]
+
+    def _trial(self, state: FitState, changes: Sequence[Change]) -> _Trial:
+        edits, before = PolygonEdits(state.surface.control_mesh), state.surface
+        near = np.zeros((len(changes), before.topology.vertex_count), np.bool_)
+        for flags, change in zip(near, changes, strict=True):
+            flags[sorted(change.near(edits))] = True
+        for change in changes:
+            change.make(edits)
+        mesh, rows = edits.frozen()
+        points = drawn_near(mesh, before.scheme, Places(before).vertices()[rows], DRAWN)
+        start = FitState.start(state.data, LimitSurface(replace(mesh, points=points), before.scheme))
+        moved = self._hold.moved(start)
+        everything = np.ones(before.topology.vertex_count, np.bool_)
+        return _Trial(Kept(moved, rows, everything), self._loss(state, moved, near[:, rows]))
+
+    def _loss(self, before: FitState, after: FitState, near: Flags) -> Floats:
+        """What each change adds, from the faces with two corners and more `near` it, (changes, n).
+
+        Faces that lie so near none are those of all that moved them.
+        """
+        t, places, power = after.surface.topology, Places(after.surface), self._hold.power
+        hit = np.add.reduceat(near[:, t.face_vertices].astype(np.int64), t.face_offsets[:-1], axis=1) >= 2
+        around = np.array([faces_at(t, ring(t, flags)) for flags in near]).reshape(hit.shape)
+        hit |= around & ~hit.any(axis=0)
+        vertices = slice(0, after.data.vertices)
+        grown = after.distance[vertices] ** power - before.distance[vertices] ** power
+        return np.asarray(hit @ np.bincount(places.face[after.face[vertices]], grown, minlength=t.face_count))
