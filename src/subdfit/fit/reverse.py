@@ -113,7 +113,11 @@ def strays(
     sampled = surface_samples(surface, cells, segments)
     found = Samples.of(surface, target, sampled.face, sampled.uv, bound / LOW, position=sampled.position)
     near = found.triangle
-    tops = peaks(surface, found.face, found.uv, found.gap, lambda places, rows: target.gaps(places, near[rows]), bound)
+
+    def gap_at(places: Floats, rows: NDArray[np.int64]) -> Floats:
+        return target.gaps(places, near[rows])
+
+    tops = peaks(surface, found.face, found.uv, found.gap, gap_at, bound, segments)
     found = found[found.gap > bound].joined(Samples.of(surface, target, *tops, bound))
     return found[_farthest(found, segments)]
 

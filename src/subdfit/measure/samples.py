@@ -84,6 +84,7 @@ def peaks(
     gap: Floats,
     gap_at: Callable[[Floats, Rows], Floats],
     least: float,
+    segments: int = 0,
 ) -> tuple[NDArray[np.int32], Floats]:
     """Where the cells of some samples are farthest off the target, as a search from the farthest sample of each finds.
 
@@ -97,6 +98,8 @@ def peaks(
         How far off positions are, (k, 3) and the rows of the samples from which they came to (k,).
     least
         How far off a peak must be to matter: where none so far can be expected the search ends.
+    segments
+        The samples' segments a cell's side where cells are small; 0 takes `reverse_segments`.
 
     Returns
     -------
@@ -105,7 +108,7 @@ def peaks(
     order = np.lexsort((-gap, face))
     rows = order[np.flatnonzero(np.diff(face[order], prepend=-1))]
     face, uv, gap = face[rows], uv[rows], gap[rows]
-    going, step = np.arange(len(face)), 1.0 / reverse_segments(surface.domain)
+    going, step = np.arange(len(face)), 1.0 / (segments or reverse_segments(surface.domain))
     for _ in range(ROUNDS):
         if len(going) == 0:
             break
