@@ -35,4 +35,4 @@ def with_creases(mesh: ControlMesh, creases: Creases) -> ControlMesh:
         sharpness[sharp & ~t.boundary_edges] = np.inf
     if np.array_equal(sharpness, t.sharpness):
         return mesh
-    return replace(mesh, topology=replace(t, sharpness=sharpness))
+    return replace(mesh, topology=t.with_sharpness(sharpness))

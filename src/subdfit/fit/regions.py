@@ -13,7 +13,7 @@ from subdfit.fit.places import Places
 from subdfit.fit.state import FitState
 from subdfit.limit.surface import LimitSurface
 from subdfit.mesh.control_mesh import ControlMesh
-from subdfit.mesh.topology import Topology
+from subdfit.mesh.topology import Creases, Topology
 
 Flags = NDArray[np.bool_]
 Rows = NDArray[np.int64]
@@ -86,15 +86,15 @@ def _part(whole: Topology, kept: Flags) -> tuple[Topology, Rows]:
     vertices = np.empty(count, np.int64)
     vertices[vertex] = whole.face_vertices[half_edges]
     offsets = np.concatenate([[0], np.cumsum(np.diff(whole.face_offsets)[kept])]).astype(np.int32)
-    part = Topology.from_twins(offsets, vertex.astype(np.int32), twin, count)
-    part.sharpness[part.edge[joined]] = whole.sharpness[whole.edge[half_edges[joined]]]
+    creases = Creases.of(joined, whole.sharpness[whole.edge[half_edges[joined]]])
+    part = Topology.from_twins(offsets, vertex.astype(np.int32), twin, count, creases)
     part.corner_sharpness[:] = whole.corner_sharpness[vertices]
     return part, vertices
 
 
 def _along_curves(topology: Topology, vertices: Flags) -> Flags:
     """The flagged vertices, (n,), and all that sharp edges join to them."""
-    ends = topology.ends(topology.sharpness > 0)
+    ends = topology.ends(np.flatnonzero(topology.sharpness > 0))
     shape = (topology.vertex_count, topology.vertex_count)
     joined = sp.coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=shape)
     count, curve = connected_components(joined, directed=False)

@@ -63,7 +63,7 @@ class ControlMesh:
             points=self.points,
             face_offsets=t.face_offsets.astype(np.int64),
             face_vertices=t.face_vertices.astype(np.int64),
-            crease_edges=t.edge_vertices[t.crease_edges].astype(np.int64),
+            crease_edges=t.ends(t.crease_edges).astype(np.int64),
             crease_sharpness=t.sharpness[t.crease_edges],
             corner_vertices=corners,
             corner_sharpness=t.corner_sharpness[corners],

@@ -1,8 +1,8 @@
 """Connectivity of a polygon mesh: half-edges over ragged faces, creases and corners. Immutable."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,37 +23,57 @@ Whole = NDArray[Any]
 Floats = NDArray[np.float64]
 
 
+class Creases(NamedTuple):
+    """Both half-edges of each sharp edge inside the surface, (k,), and their edges' sharpness, (k,) float64."""
+
+    half_edges: NDArray[np.integer]
+    sharpness: Floats
+
+    @classmethod
+    def of(cls, half_edges: NDArray[np.integer], sharpness: Floats) -> "Creases":
+        """The sharp ones among half-edges inside the surface."""
+        sharp = sharpness > 0
+        return cls(half_edges[sharp], sharpness[sharp])
+
+
+NO_CREASES = Creases(np.empty(0, np.int32), np.empty(0))
+
+
+class _Links(NamedTuple):
+    following: Indices
+    face: Indices
+    edge: Indices
+
+
+class _Stars(NamedTuple):
+    outgoing: Indices
+    valence: Indices
+
+
 @dataclass(frozen=True, eq=False)
 class Topology:
     """An oriented manifold polygon mesh without positions.
 
     A half-edge is a face corner: half-edge ``h`` starts at ``face_vertices[h]`` and runs round its face
-    counter-clockwise.
+    counter-clockwise. What follows from faces and twins is made when it is first asked for: the last level of a
+    refinement may never need it, and is the largest.
 
     Attributes
     ----------
     vertex_count : number of vertices.
     face_offsets : (m + 1,) int32.
     face_vertices : (h,) int32, the origin of each half-edge.
-    following, face, twin, edge : (h,) int32; `twin` is -1 on the boundary.
-    outgoing : (n,) int32, one half-edge that leaves the vertex (the first counter-clockwise on a boundary).
-    valence : (n,) int32, number of faces round the vertex.
-    sharpness : (e,) float64, an edge's crease sharpness; ``inf`` on the boundary and for creases of
-        sharpness 10 and more.
-    corner_sharpness : (n,) float64, likewise for corner vertices.
+    twin : (h,) int32, the half-edge back, of the next face; -1 on the boundary.
+    corner_sharpness : (n,) float64, as `sharpness`, for corner vertices.
+    creases : the edges inside that are sharp.
     """
 
     vertex_count: int
     face_offsets: Indices
     face_vertices: Indices
-    following: Indices
-    face: Indices
     twin: Indices
-    edge: Indices
-    outgoing: Indices
-    valence: Indices
-    sharpness: Floats
     corner_sharpness: Floats
+    creases: Creases = NO_CREASES
 
     @classmethod
     def from_faces(
@@ -98,36 +118,29 @@ class Topology:
         if vertex_count and topology.valence.min() == 0:
             vertex = int(np.argmin(topology.valence))
             raise InputError(f"vertex {vertex} belongs to no face; remove isolated vertices")
-        creases = topology._edges_between(_rows([] if crease_edges is None else crease_edges, 2, "crease edges"))
-        topology.sharpness[creases] = _tags(crease_sharpness, len(creases), "crease")
-        # A tag cannot soften the boundary.
-        topology.sharpness[topology.boundary_edges] = np.inf
+        edges = topology._edges_between(_rows([] if crease_edges is None else crease_edges, 2, "crease edges"))
+        sharpness = topology.sharpness.copy()
+        sharpness[edges] = _tags(crease_sharpness, len(edges), "crease")
         tagged = _corner_vertices([] if corner_vertices is None else corner_vertices, vertex_count)
         topology.corner_sharpness[tagged] = _tags(corner_sharpness, len(tagged), "corner")
-        return topology
+        return topology.with_sharpness(sharpness) if len(edges) else topology
+
+    def with_sharpness(self, sharpness: Floats) -> "Topology":
+        """The same mesh with other sharpness of its edges, (e,); nothing softens the boundary."""
+        inside = np.flatnonzero(self.twin >= 0)
+        return replace(self, creases=Creases.of(inside, sharpness[self.edge[inside]]))
 
     @classmethod
-    def from_twins(cls, face_offsets: Indices, face_vertices: Indices, twin: Indices, vertex_count: int) -> "Topology":
-        """Build from a sound manifold's faces, whose half-edges are paired already; only the boundary is sharp."""
-        following, face, edge = (np.empty(len(twin), np.int32) for _ in range(3))
-        edge_count = link_half_edges(face_offsets, twin, following, face, edge)
-        outgoing, valence = np.full(vertex_count, -1, np.int32), np.zeros(vertex_count, np.int32)
-        outgoing_half_edges(face_vertices, twin, outgoing, valence)
-        sharpness = np.zeros(edge_count)
-        sharpness[edge[twin < 0]] = np.inf
-        return cls(
-            vertex_count,
-            face_offsets,
-            face_vertices,
-            following,
-            face,
-            twin,
-            edge,
-            outgoing,
-            valence,
-            sharpness,
-            np.zeros(vertex_count),
-        )
+    def from_twins(
+        cls,
+        face_offsets: Indices,
+        face_vertices: Indices,
+        twin: Indices,
+        vertex_count: int,
+        creases: Creases = NO_CREASES,
+    ) -> "Topology":
+        """Build from a sound manifold's faces, whose half-edges are paired already; no vertex is a corner."""
+        return cls(vertex_count, face_offsets, face_vertices, twin, np.zeros(vertex_count), creases)
 
     @classmethod
     def from_triangles(cls, triangles: ArrayLike, vertex_count: int, **tags: ArrayLike | None) -> "Topology":
@@ -140,10 +153,56 @@ class Topology:
         """Number of faces."""
         return len(self.face_offsets) - 1
 
-    @property
+    @cached_property
     def edge_count(self) -> int:
         """Number of edges."""
-        return len(self.sharpness)
+        return (len(self.twin) + int(np.count_nonzero(self.twin < 0))) // 2
+
+    @cached_property
+    def _links(self) -> _Links:
+        links = _Links(*(np.empty(len(self.twin), np.int32) for _ in range(3)))
+        link_half_edges(self.face_offsets, self.twin, *links)
+        return links
+
+    @property
+    def following(self) -> Indices:
+        """The next half-edge of the same face, (h,) int32."""
+        return self._links.following
+
+    @property
+    def face(self) -> Indices:
+        """The face of each half-edge, (h,) int32."""
+        return self._links.face
+
+    @property
+    def edge(self) -> Indices:
+        """The edge of each half-edge, (h,) int32: numbered as half-edges first meet them."""
+        return self._links.edge
+
+    @cached_property
+    def _stars(self) -> _Stars:
+        stars = _Stars(np.full(self.vertex_count, -1, np.int32), np.zeros(self.vertex_count, np.int32))
+        outgoing_half_edges(self.face_vertices, self.twin, *stars)
+        return stars
+
+    @property
+    def outgoing(self) -> Indices:
+        """One half-edge that leaves each vertex, (n,) int32: the first counter-clockwise on a boundary."""
+        return self._stars.outgoing
+
+    @property
+    def valence(self) -> Indices:
+        """Number of faces round each vertex, (n,) int32."""
+        return self._stars.valence
+
+    @cached_property
+    def sharpness(self) -> Floats:
+        """Crease sharpness of each edge, (e,) float64: ``inf`` on the boundary, and from 10 on."""
+        sharpness, boundary = np.zeros(self.edge_count), self.twin < 0
+        for half_edges, values in (self.creases, (np.flatnonzero(boundary), np.inf)):
+            if len(half_edges):
+                sharpness[self.edge[half_edges]] = values
+        return sharpness
 
     @cached_property
     def triangles_only(self) -> bool:
@@ -166,21 +225,23 @@ class Topology:
         ends[self.edge[first], 1] = self.face_vertices[self.following[first]]
         return ends
 
-    def ends(self, chosen: NDArray[np.bool_]) -> Indices:
-        """Ends (k, 2) of the chosen edges, (e,) flags; where there are none, `edge_vertices` need not be made."""
-        return self.edge_vertices[chosen] if chosen.any() else np.empty((0, 2), np.int32)
+    def ends(self, edges: NDArray[np.integer]) -> Indices:
+        """Ends (k, 2) of some edges, (k,); where there are none, `edge_vertices` need not be made."""
+        return self.edge_vertices[edges] if len(edges) else np.empty((0, 2), np.int32)
 
     @cached_property
     def boundary_edges(self) -> NDArray[np.bool_]:
         """Whether each edge has one face only, (e,)."""
-        flags = np.zeros(self.edge_count, np.bool_)
-        flags[self.edge[self.twin < 0]] = True
+        flags, boundary = np.zeros(self.edge_count, np.bool_), np.flatnonzero(self.twin < 0)
+        if len(boundary):
+            flags[self.edge[boundary]] = True
         return flags
 
     @cached_property
     def crease_edges(self) -> NDArray[np.int64]:
         """Edges inside the surface that carry sharpness: row numbers, ascending."""
-        return np.flatnonzero((self.sharpness > 0) & ~self.boundary_edges)
+        sharp = self.creases.half_edges
+        return np.unique(self.edge[sharp]).astype(np.int64) if len(sharp) else np.empty(0, np.int64)
 
     def _edges_between(self, pairs: Whole) -> Indices:
         """Edges by their ends, either way round, (e, 2)."""

@@ -39,7 +39,8 @@ def child_topology(curves: Curves, numbers: Numbers) -> tuple[Topology, int]:
     child = Topology.from_twins(offsets, corners, twin, numbers.vertex_count)
     if len(numbers.ends):
         # No smooth edge joins two vertices on curves.
-        child.sharpness[(child.edge_vertices >= numbers.inner_count).all(axis=1)] = np.inf
+        on_curves = np.all(child.edge_vertices >= numbers.inner_count, axis=1)
+        child = child.with_sharpness(np.where(on_curves, np.inf, 0.0))
     child.corner_sharpness[numbers.corner[numbers.corners]] = t.corner_sharpness[numbers.corners]
     return child, t.face_count + quads
 

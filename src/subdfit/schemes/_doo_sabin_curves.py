@@ -124,7 +124,7 @@ class Curves:
         if not self.sharp.any():
             return self.sharp
         t, vertex = self.topology, self.topology.face_vertices
-        ends = t.ends(t.sharpness > 0)
+        ends = t.ends(np.flatnonzero(t.sharpness > 0))
         shape = (t.vertex_count, t.vertex_count)
         joined = sp.coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=shape)
         _, curve = connected_components(joined, directed=False)

@@ -4,7 +4,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from subdfit.mesh._topology_kernels import pair_half_edges
-from subdfit.mesh.topology import Topology
+from subdfit.mesh.topology import Creases, Topology
 
 
 def without_thin_vertices(t: Topology) -> tuple[Topology, sp.csr_array | None]:
@@ -38,8 +38,9 @@ def without_thin_vertices(t: Topology) -> tuple[Topology, sp.csr_array | None]:
     offsets = np.concatenate([[0], np.cumsum(lengths)]).astype(np.int32)
     count = t.vertex_count + len(faces)
     twin, *_ = pair_half_edges(offsets, corners, count)
-    whole = Topology.from_twins(offsets, corners, twin, count)
-    whole.sharpness[whole.edge[place]] = t.sharpness[t.edge]
+    inside = t.twin >= 0
+    creases = Creases.of(place[inside], t.sharpness[t.edge[inside]])
+    whole = Topology.from_twins(offsets, corners, twin, count, creases)
     whole.corner_sharpness[: t.vertex_count] = t.corner_sharpness
     rows = centroid[t.face[first]] - t.vertex_count
     means = sp.csr_array((1 / sides[t.face[first]], (rows, t.face_vertices[first])), shape=(len(faces), t.vertex_count))

@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from subdfit.mesh.topology import Topology
+from subdfit.mesh.topology import Creases, Topology
 from subdfit.schemes import _sector_kernels as kernels
 
 Indices = NDArray[np.int32]
@@ -57,7 +57,7 @@ class Level:
 def semi_sharp(t: Topology) -> NDArray[np.bool_]:
     """Vertices whose rules change within some levels: a tag of finite sharpness is there or on an edge there."""
     flags = (t.corner_sharpness > 0) & np.isfinite(t.corner_sharpness)
-    edges = (t.sharpness > 0) & np.isfinite(t.sharpness)
+    edges = np.flatnonzero((t.sharpness > 0) & np.isfinite(t.sharpness))
     flags[t.ends(edges)] = True
     return np.asarray(flags)
 
@@ -104,9 +104,9 @@ class Piece:
             t.vertex_count,
         )
         offsets = np.concatenate([[0], np.cumsum(np.diff(t.face_offsets)[faces])]).astype(np.int32)
-        piece = Topology.from_twins(offsets, corners, twins, len(vertices))
-        inside = twins >= 0
-        piece.sharpness[piece.edge[inside]] = t.sharpness[t.edge[half_edges[inside]]]
+        inside = np.flatnonzero(twins >= 0)
+        creases = Creases.of(inside, t.sharpness[t.edge[half_edges[inside]]])
+        piece = Topology.from_twins(offsets, corners, twins, len(vertices), creases)
         piece.corner_sharpness[:] = t.corner_sharpness[vertices]
         return cls(piece, vertices)
 

@@ -24,7 +24,7 @@ def _vertex_mask(t: Topology) -> VertexMask:
     """The smooth vertex rule, corrected where triangles meet quads."""
     quads = larger_round(t, 3)
     mixed = (quads > 0) & (quads < t.valence)
-    mixed[t.ends(t.boundary_edges)] = False
+    mixed[t.ends(np.flatnonzero(t.boundary_edges))] = False
     vertices = np.flatnonzero(mixed)
     correction = np.zeros(t.vertex_count)
     for order, chosen in by_order(t, preceding(t), t.outgoing[vertices]):

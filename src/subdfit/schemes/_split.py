@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subdfit.mesh.topology import Topology
+from subdfit.mesh.topology import Creases, Topology
 from subdfit.schemes import _split_kernels as kernels
 from subdfit.schemes._stencils import later
 
@@ -21,9 +21,9 @@ def split(t: Topology, quads_from: int) -> Topology:
     corners, twin = np.empty(4 * len(t.twin), np.int32), np.full(4 * len(t.twin), -1, np.int32)
     mesh = (t.face_offsets, t.face_vertices, t.following, t.face, t.twin, t.edge)
     kernels.split_faces(*mesh, n, t.edge_count, quads_from, offsets, corners, twin)
-    child = Topology.from_twins(offsets, corners, twin, n + t.edge_count + int(np.count_nonzero(quads)))
-    # An inner edge's two halves are the first halves of its half-edges; those of the boundary are sharp already.
-    sharp = np.flatnonzero((t.sharpness > 0)[t.edge])
-    child.sharpness[child.edge[4 * sharp]] = later(t.sharpness[t.edge[sharp]])
+    # An edge's two halves are the first halves of its half-edges; those of the boundary are sharp anyway.
+    halves = 4 * t.creases.half_edges
+    creases = Creases.of(np.concatenate([halves, twin[halves]]), np.tile(later(t.creases.sharpness), 2))
+    child = Topology.from_twins(offsets, corners, twin, n + t.edge_count + int(np.count_nonzero(quads)), creases)
     child.corner_sharpness[:n] = later(t.corner_sharpness)
     return child

@@ -128,7 +128,7 @@ class _Kinds:
     @classmethod
     def of(cls, t: Topology, levels: float) -> "_Kinds":
         """The rules after some levels, while the mesh's own edges are concerned."""
-        sharp = t.ends(t.sharpness > levels)
+        sharp = t.ends(np.flatnonzero(t.sharpness > levels))
         count = np.bincount(sharp.ravel(), minlength=t.vertex_count)
         corner = (t.corner_sharpness > levels) | (count >= 3)
         crease = ~corner & (count == 2)
@@ -148,7 +148,7 @@ def _kind_weights(smooth: VertexMask, kinds: _Kinds, ring: int) -> Floats:
 def _expiring(t: Topology) -> Floats:
     """Share of the present rule at each vertex, (n,): the mean sharpness of the tags that expire in this step."""
     total, count = np.zeros(t.vertex_count), np.zeros(t.vertex_count)
-    edges = (t.sharpness > 0) & (t.sharpness <= 1)
+    edges = np.flatnonzero((t.sharpness > 0) & (t.sharpness <= 1))
     np.add.at(total, t.ends(edges), t.sharpness[edges, None])
     np.add.at(count, t.ends(edges), 1)
     corners = np.flatnonzero((t.corner_sharpness > 0) & (t.corner_sharpness <= 1))

@@ -39,7 +39,7 @@ class QuadTriangle:
         """Raise InputError unless all inner valences are 3 or more."""
         t = topology
         inner = np.ones(t.vertex_count, np.bool_)
-        inner[t.ends(t.boundary_edges)] = False
+        inner[t.ends(np.flatnonzero(t.boundary_edges))] = False
         thin = np.flatnonzero(inner & (t.valence < 3))
         if len(thin):
             raise InputError(f"inner vertex {thin[0]} has valence 2; merge its two faces into one")
