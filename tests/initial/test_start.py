@@ -7,6 +7,7 @@ import subdfit
 from subdfit.initial.start import start_mesh
 from subdfit.limit import LimitSurface
 from subdfit.target.bvh import TriangleTree
+from subdfit.target.normals import face_normals
 from subdfit.target.target import mesh_target
 
 BACK_TO_BACK = np.array([[0, 1, 2], [0, 2, 1]])
@@ -56,3 +57,32 @@ def test_a_small_detail_makes_the_start_finer_there_alone():
     distance = TriangleTree(mesh.points, mesh.topology.triangles).closest(points).distance
     assert distance.max() <= 4e-3
     assert len(mesh.points) < 1.2 * len(smooth.points)
+
+
+def thread_round_a_ball(lift, radius, waves, around=800, sides=6):
+    """A closed thread that waves round a ball of radius .3, its middle lifted off that, and the ball."""
+    ball = trimesh.creation.icosphere(6, radius=0.3)
+    angle, turn = (2 * np.pi * np.arange(n) / n for n in (around, sides))
+    middle = np.column_stack([np.cos(angle), np.sin(angle), np.sin(waves * angle) / 30])
+    outwards = middle / np.linalg.norm(middle, axis=1, keepdims=True)
+    along = np.roll(outwards, -1, axis=0) - np.roll(outwards, 1, axis=0)
+    across = np.cross(outwards, along / np.linalg.norm(along, axis=1, keepdims=True))
+    ring = np.cos(turn)[:, None] * outwards[:, None] + np.sin(turn)[:, None] * across[:, None]
+    points = ((0.3 + lift) * outwards[:, None] + radius * ring).reshape(-1, 3)
+    a = np.arange(len(points)).reshape(around, sides)
+    b, d = np.roll(a, -1, axis=0), np.roll(a, -1, axis=1)
+    c = np.roll(b, -1, axis=1)
+    thread = np.concatenate([np.stack(t, axis=-1).reshape(-1, 3) for t in ((a, b, c), (a, c, d))])
+    return np.concatenate([points, ball.vertices]), np.concatenate([thread, len(points) + ball.faces])
+
+
+def test_a_start_keeps_a_strand_and_what_it_runs_along_apart():
+    """Along a thread two tolerances thick no face more than a tolerance off faces against what is nearest to it."""
+    bound = 1e-3
+    target = mesh_target(*thread_round_a_ball(2.5 * bound, bound, 24), creases="none")
+    mesh = start_mesh(target, None, bound)
+    triangles = mesh.topology.triangles
+    found = target.tree.closest(mesh.points[triangles].mean(axis=1))
+    facing = face_normals(mesh.points, triangles) * face_normals(target.points, target.triangles[found.triangle])
+    assert not np.any((facing.sum(axis=1) < 0) & (found.distance > bound))
+    assert len(mesh.points) < 0.05 * len(target.points)

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from subdfit.target.normals import face_normals
 from subdfit.target.sampling import face_samples
 from subdfit.target.target import Target
 
@@ -22,6 +23,7 @@ class FitData:
     vertices : how many of them are vertices.
     allowance : (k,), what a point may lie off beyond the tolerance: 0 for vertices, the sagitta there for samples;
         infinite for a vertex that is left out as an outlier.
+    normals : (k, 3), the target's unit normals there; zero where they are not known.
     boundary, crease : rows of the points that lie on the target's boundary, on its creases.
     target : the target itself, in the normalised frame.
     spacing : mean length of the target's edges, none counted as longer than samples inside faces are apart; 0 for a
@@ -31,6 +33,7 @@ class FitData:
     points: Floats
     vertices: int
     allowance: Floats
+    normals: Floats
     boundary: NDArray[np.int64]
     crease: NDArray[np.int64]
     target: Target
@@ -42,15 +45,16 @@ class FitData:
         used = target.used
         row = np.full(len(target.points), -1, np.int64)
         row[used] = np.arange(len(used))
-        points, allowance = target.points[used], np.zeros(len(used))
+        points, allowance, normals = target.points[used], np.zeros(len(used)), target.normals[used]
         if target.is_mesh and not target.cloud:
             triangle, uv = face_samples(target.points, target.triangles, spacing)
             points = np.concatenate([points, target.on_triangles(triangle, uv)])
             if len(triangle):
                 allowance = np.concatenate([allowance, target.sagitta(triangle, uv)])
+                normals = np.concatenate([normals, face_normals(target.points, target.triangles[triangle])])
         boundary = _known(row[target.boundary_edges])
         crease = np.setdiff1d(_known(row[target.crease_edges]), boundary)
-        return cls(points, len(used), allowance, boundary, crease, target, _mean_spacing(target, spacing))
+        return cls(points, len(used), allowance, normals, boundary, crease, target, _mean_spacing(target, spacing))
 
     def subset(self, rows: NDArray[np.int64]) -> "FitData":
         """The data of some rows, ascending."""
@@ -61,6 +65,7 @@ class FitData:
             self.points[rows],
             int(np.searchsorted(rows, self.vertices)),
             self.allowance[rows],
+            self.normals[rows],
             boundary[boundary >= 0],
             crease[crease >= 0],
             self.target,

@@ -8,6 +8,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
+from subdfit.closest.projection import Projector
 from subdfit.fit.changes import faces_at, ring
 from subdfit.fit.places import Places
 from subdfit.fit.state import FitState
@@ -29,12 +30,14 @@ class Region:
     inner : (cells,) bool, the cells of `surface` that lie as the whole's do.
     vertices : (n,), the whole's control vertices that are those of `surface`.
     own : (n,) bool, those of the faces themselves; the others belong to what lies round them, other regions perhaps.
+    cell : (cells of the whole,), the cell of `surface` that each is, -1 where it is none.
     """
 
     surface: LimitSurface
     inner: Flags
     vertices: Rows
     own: Flags
+    cell: Rows
 
     @classmethod
     def of(cls, surface: LimitSurface, faces: Flags) -> "Region":
@@ -50,11 +53,17 @@ class Region:
         points = surface.control_mesh.points[vertices]
         part = LimitSurface(ControlMesh(topology, points, surface.scheme.name), surface.scheme)
         inner = faces[np.flatnonzero(kept)][Places(part).face]
-        return cls(_without_rim(part, kept, whole), np.asarray(inner), vertices, own[vertices])
+        cell = _cells(surface, part, kept)
+        return cls(_without_rim(part, kept, whole), np.asarray(inner), vertices, own[vertices], cell)
 
     def state(self, whole: FitState, cells: Flags) -> FitState:
-        """The state of the data that lie in the flagged cells, (c,), of the whole."""
-        return FitState.start(whole.data.subset(whole.rows_in(cells)), self.surface)
+        """The state of the data that lie in the flagged cells, (c,), of the whole, each on its own sheet."""
+        rows = whole.rows_in(cells)
+        data, face, uv = whole.data.subset(rows), self.cell[whole.face[rows]].astype(np.int32), whole.uv[rows]
+        lost = face < 0
+        if lost.any():
+            face[lost], uv[lost] = Projector(self.surface).start(data.points[lost])
+        return FitState.follow(data, self.surface, face, uv)
 
 
 def regions(surface: LimitSurface, moving: Flags) -> Iterator[tuple[Region, Flags]]:
@@ -90,6 +99,14 @@ def _part(whole: Topology, kept: Flags) -> tuple[Topology, Rows]:
     part = Topology.from_twins(offsets, vertex.astype(np.int32), twin, count, creases)
     part.corner_sharpness[:] = whole.corner_sharpness[vertices]
     return part, vertices
+
+
+def _cells(whole: LimitSurface, part: LimitSurface, kept: Flags) -> Rows:
+    """The cell of the part, of the flagged faces, that each of the whole's cells is; -1 where it is none, (cells,)."""
+    half_edges = np.flatnonzero(kept[whole.topology.face])
+    at = np.full(len(whole.topology.twin), -1)
+    at[half_edges[part.domain.half_edge]] = np.arange(part.domain.face_count)
+    return at[whole.domain.half_edge]
 
 
 def _along_curves(topology: Topology, vertices: Flags) -> Flags:

@@ -139,17 +139,27 @@ class FitState:
         return replace(self, distance=distance).onto(some.surface, face, uv)
 
     def refreshed(self, threshold: float) -> "FitState":
-        """Look globally for nearer footpoints of the points farther than `threshold`."""
+        """Look globally for nearer footpoints of the points farther than `threshold`.
+
+        Of two sheets of a thin part or crack the other may be nearer; a point goes over to it only where that lies
+        within the threshold. Else it would draw the other sheet across.
+        """
         rows = np.flatnonzero(self.distance > threshold)
         if len(rows) == 0:
             return self
         found = Projector(self.surface, FOOTPOINT_TOLERANCE).nearest(self.data.points[rows])
         better = found.distance < self.distance[rows]
+        astray = self._facing(rows, self.face[rows], self.uv[rows]) < 0
+        better &= (found.distance <= threshold) | astray | (self._facing(rows, found.face, found.uv) >= 0)
         face, uv, distance = self.face.copy(), self.uv.copy(), self.distance.copy()
         face[rows[better]] = found.face[better]
         uv[rows[better]] = found.uv[better]
         distance[rows[better]] = found.distance[better]
         return replace(self, face=face, uv=uv, distance=distance)
+
+    def _facing(self, rows: NDArray[np.int64], face: NDArray[np.int32], uv: Floats) -> Floats:
+        """Cosine between the normals of some data and of the surface at given places, (k,)."""
+        return np.asarray(np.einsum("kd,kd->k", self.surface.normals(face, uv), self.data.normals[rows]))
 
     def verified(self) -> "FitState":
         """All footpoints found globally, from no earlier parameter."""

@@ -1,6 +1,9 @@
 """The first control mesh: the target decimated to a number of vertices chosen from the tolerance."""
 
 import logging
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +12,7 @@ from subdfit.errors import InputError
 from subdfit.initial.decimate import Decimated, decimate
 from subdfit.initial.pairing import pair_triangles
 from subdfit.initial.reach import within_reach
+from subdfit.initial.sheets import Sheets
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.schemes.scheme import Faces
 from subdfit.target.bvh import TriangleTree
@@ -78,7 +82,9 @@ def start_mesh(
         some = None if weights is None else weights[used]
         found = decimate(points, triangles, vertices, crease_edges=creases, weights=some)
     else:
-        found = _coarse_enough(points, triangles, creases, max_error or 1e-3, budget or len(points), target.cloud)
+        bound = max_error or 1e-3
+        sheets = None if target.cloud else Sheets(target, bound)
+        found = _coarse_enough(points, triangles, creases, bound, budget or len(points), sheets)
     asked = vertices is not None and weights is None
     if found.message and asked:
         logger.warning("%s", found.message)
@@ -97,7 +103,9 @@ def _one_sided(triangles: Rows) -> Rows:
     return triangles[np.sort(first)]
 
 
-def _coarse_enough(points: Floats, triangles: Rows, creases: Rows, bound: float, budget: int, cloud: bool) -> Decimated:
+def _coarse_enough(
+    points: Floats, triangles: Rows, creases: Rows, bound: float, budget: int, sheets: Sheets | None
+) -> Decimated:
     """Decimate as far as the tolerance lets a fit begin."""
     wanted = min(max(4, round(SHARE * len(points))), budget)
     found = decimate(points, triangles, wanted, crease_edges=creases)
@@ -106,37 +114,83 @@ def _coarse_enough(points: Floats, triangles: Rows, creases: Rows, bound: float,
         wanted *= 2
         found = decimate(points, triangles, wanted, crease_edges=creases)
         distance = _distances(points, found)
-    return _coarsened(points, found, distance, bound, cloud)
+    most = min(int(LARGEST_SHARE * len(points)), budget)
+    dense = partial(decimate, points, triangles, most, crease_edges=creases)
+    return _coarsened(points, found, distance, bound, sheets, dense)
 
 
-def _coarsened(points: Floats, found: Decimated, distance: Floats, bound: float, cloud: bool) -> Decimated:
+def _coarsened(
+    points: Floats,
+    found: Decimated,
+    distance: Floats,
+    bound: float,
+    sheets: Sheets | None,
+    dense: Callable[[], Decimated],
+) -> Decimated:
     """Decimate further, as far as the points stay near enough; `distance` (n,) are theirs from what was found."""
-    finest, wanted = found, len(found.points)
+    finest, wanted, cloud = found, len(found.points), sheets is None
     # Where much is curved, errors fall as vertices grow; where little is, far more steeply.
     wanted = max(4, round(LEAST_SHARE * len(points)), int(_strain(distance, bound, cloud) * wanted))
     while wanted < len(finest.points):
         coarse = _decimated(finest, wanted, np.ones(len(finest.points)))
         if _strain(_distances(points, coarse), bound, cloud) <= 1:
-            return _finer_where_far(points, finest, coarse, np.maximum(FARTHEST * bound, SLACK * distance))
+            most = np.maximum(FARTHEST * bound, SLACK * distance)
+            return _finer_where_wanting(_Wanting(points, most, FARTHEST * bound, sheets), finest, coarse, dense)
         wanted = int(GROWTH * wanted) + 1
     return finest
 
 
-def _finer_where_far(points: Floats, finest: Decimated, coarse: Decimated, most: Floats) -> Decimated:
-    """The coarse mesh with more vertices where points lie off by more than `most`, (n,), until none does."""
-    weights = np.ones(len(finest.points))
+@dataclass(frozen=True, eq=False)
+class _Wanting:
+    """Where a coarse mesh does not do.
+
+    Attributes
+    ----------
+    points, most : the target's points, (n, 3), and how far off each may lie at most, (n,).
+    size : length of a triangle's side beyond which what mixes up sheets lies farther off than they may be apart.
+    sheets : those not to be mixed up, or None.
+    """
+
+    points: Floats
+    most: Floats
+    size: float
+    sheets: Sheets | None
+
+    def places(self, mesh: Decimated) -> tuple[Floats, Floats, bool]:
+        """Such places, (k, 3), how far round each more vertices are needed, (k,), and whether any mixes up sheets."""
+        found = TriangleTree(mesh.points, mesh.triangles).closest(self.points)
+        far = np.flatnonzero(found.distance > self.most)
+        places, reach = self.points[far], _longest(mesh, found.triangle[far])
+        if self.sheets is None:
+            return places, REACH * reach, False
+        mixed, under = self.sheets.mixed(mesh.points, mesh.triangles, found)
+        reach = np.concatenate([reach, np.minimum(_longest(mesh, under), self.size)])
+        return np.concatenate([places, mixed]), REACH * reach, len(mixed) > 0
+
+
+def _longest(mesh: Decimated, triangle: NDArray[np.integer]) -> Floats:
+    """The longest side of some triangles, (k,)."""
+    corners = mesh.points[mesh.triangles[triangle]]
+    return np.asarray(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1, initial=0.0))
+
+
+def _finer_where_wanting(
+    wanting: _Wanting, finest: Decimated, coarse: Decimated, dense: Callable[[], Decimated]
+) -> Decimated:
+    """The coarse mesh with more vertices where it does not do; those of a `dense` mesh where it mixes sheets up."""
+    source, weights = None, np.empty(0)
     for _ in range(REFININGS):
-        found = TriangleTree(coarse.points, coarse.triangles).closest(points)
-        far = np.flatnonzero(found.distance > most)
-        if len(far) == 0:
-            return coarse
-        corners = coarse.points[coarse.triangles[found.triangle[far]]]
-        reach = REACH * np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
-        weights[within_reach(finest.points, points[far], reach)] *= DOUBLING
-        wanted = len(coarse.points) + int(within_reach(coarse.points, points[far], reach).sum())
+        places, reach, mixed = wanting.places(coarse)
+        if len(places) == 0:
+            break
+        if source is None:
+            source = dense() if mixed else finest
+            weights = np.ones(len(source.points))
+        weights[within_reach(source.points, places, reach)] *= DOUBLING
+        wanted = len(coarse.points) + int(within_reach(coarse.points, places, reach).sum())
         if wanted >= len(finest.points):
-            return finest
-        coarse = _decimated(finest, wanted, weights)
+            return finest if source is finest else coarse
+        coarse = _decimated(source, wanted, weights)
     return coarse
 
 
