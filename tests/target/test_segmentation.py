@@ -56,9 +56,9 @@ def facets_of(points, triangles, radius=0.2):
     return Facets(np.asarray(points, float), np.asarray(triangles, np.int32), edges, edges.angle > 40, radius)
 
 
-@pytest.mark.parametrize("subdivisions", [2, 4])
-def test_a_box_has_six_faces(subdivisions):
-    mesh = trimesh.creation.box(extents=(1.0, 2.0, 3.0))
+@pytest.mark.parametrize(("subdivisions", "height"), [(2, 1.0), (4, 1.0), (0, 1.0), (0, 0.02)])
+def test_a_box_has_six_faces(subdivisions, height):
+    mesh = trimesh.creation.box(extents=(height, 2.0, 3.0))
     for _ in range(subdivisions):
         mesh = mesh.subdivide()
     found = segment_mesh(mesh_target(mesh.vertices, mesh.faces))

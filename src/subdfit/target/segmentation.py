@@ -30,6 +30,8 @@ _ROUNDS = 2
 _THIN, _NOTHING = 0.5, 0.05
 """Widths, in radii, below which a region is a remnant beside a smooth border, and beside a sharp one. So is one smaller
 than a ball, and open on most sides: its curvature was never seen by itself."""
+_HAIR = 0.002
+"""Width, in diagonals, from which a region between sharp edges is a face however coarse the mesh: a plate's rim."""
 _SHORTEST = 4.0
 """Length, in radii, of the shortest sharp edges that count where they part no regions."""
 
@@ -124,7 +126,12 @@ def segment_facets(facets: Facets, settings: SegmentationSettings) -> Labels:
         labels = merge_regions(facets, labels, curvatures, Adjacency.turn_of_means, settings.step_turn)
     labels = absorb(facets, labels, Adjacency.thickness, _THIN * facets.radius)
     labels = absorb(facets, labels, Adjacency.area_if_open, ball)
-    return absorb(facets, labels, Adjacency.thickness, _NOTHING * facets.radius, over_sharp=True)
+    return _without_hairs(facets, labels)
+
+
+def _without_hairs(facets: Facets, labels: Labels) -> Labels:
+    least = min(_NOTHING * facets.radius, _HAIR * facets.diagonal)
+    return absorb(facets, labels, Adjacency.thickness, least, over_sharp=True)
 
 
 def _facets(points: Floats, triangles: NDArray[np.int32], creases: NDArray[np.int64], radius: float | None) -> Facets:
@@ -159,7 +166,7 @@ def _on_target(target: Target, facets: Facets, changed: Flags, labels: Labels, f
     nearest = TriangleTree(target.points, facets.triangles).closest(own.centres[changed])
     carried[changed] = labels[nearest.triangle]
     parts = own.connected(~own.borders(carried))
-    carried = absorb(own, parts, Adjacency.thickness, _NOTHING * facets.radius, over_sharp=True)
+    carried = _without_hairs(own, parts)
     # A side of a needle that was flipped away lies along what it hid.
     along = ~np.isin(ours, theirs) & np.isin(edges.vertices, features).all(axis=1)
     return Regions(carried, edges.vertices[own.sharp | (along & own.borders(carried))])
