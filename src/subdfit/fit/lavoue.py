@@ -19,6 +19,7 @@ from subdfit.fit.reverse import Samples, reverse_badness, sparse_samples, strays
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import badness, within
+from subdfit.fit.thinning_hold import Hold
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.target.target import Target
 
@@ -50,11 +51,15 @@ class Lavoue(Auto):
     def __init__(self, settings: FitSettings) -> None:
         super().__init__(settings)
         self._rounds, self._before = 0, np.inf
+        self._hold = Hold(settings)
 
     def advance(self, state: FitState) -> FitState:
         """One round of steps, the control mesh enriched first where that is due."""
         self._descent.damping = max(self._descent.damping, DAMPING)
-        return super().advance(state)
+        state, tolerance = super().advance(state), self.settings.tolerance
+        # Of a mean on both sides more steps may bring about what costs vertices otherwise.
+        near = tolerance.max is None and badness(state, tolerance) <= NEAR
+        return self._hold.settled(state) if near else state
 
     def stray(self, state: FitState) -> float:
         """How far the surface strays: samples of it at most, or on average where no largest error is asked."""

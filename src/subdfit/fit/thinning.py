@@ -16,9 +16,6 @@ from subdfit.fit.thinning_queue import Find, Queue
 from subdfit.fit.thinning_together import Together
 from subdfit.mesh.polygon_edits import PolygonEdits
 
-SETTLING = 8
-"""Rounds in which the reverse side may come within tolerance before anything is taken out."""
-
 
 class Thinning:
     """Changes of the control mesh that leave less of it, tried on a fit.
@@ -35,7 +32,7 @@ class Thinning:
 
     def lighter(self, state: FitState) -> Iterator[FitState]:
         """Ever lighter fits, both sides of each within tolerance, from one whose data are."""
-        state = self._settled(state)
+        state = self._hold.settled(state)
         for find in (collapses,) if state.surface.scheme.faces == "triangles" else (collapses, merges):
             for lighter in self._thinned(state, find):
                 state = lighter
@@ -56,12 +53,3 @@ class Thinning:
                 queue.changed(kept.rows, kept.near)
                 state, fruitless = kept.state, 0
                 yield state
-
-    def _settled(self, state: FitState) -> FitState:
-        """The state moved until both its sides hold; as it was, where a few rounds do not bring that about."""
-        moved = state
-        for _ in range(SETTLING):
-            if self._hold.holds(moved):
-                return moved
-            moved = self._hold.moved(moved)
-        return state

@@ -24,6 +24,9 @@ STEPS, GAIN = 4, 0.98
 DAMPING = 1e-2
 """Their first damping: large faces leave directions in which little holds their vertices."""
 
+SETTLING = 8
+"""Rounds of steps in which both sides may come within tolerance."""
+
 
 @dataclass(frozen=True, eq=False)
 class Kept:
@@ -76,6 +79,15 @@ class Hold:
         curves = sparse_curve_samples(some, np.ones(state.surface.domain.face_count, np.bool_))
         part = Part(some, samples, curves, self.free(state.surface.topology), STEPS, GAIN)
         return state.followed(Descent(TangentSettings(), self.bound, DAMPING).moved(part), rows)
+
+    def settled(self, state: FitState) -> FitState:
+        """The state moved until both its sides hold; as it was, where a few rounds do not bring that about."""
+        moved = state
+        for _ in range(SETTLING):
+            if self.holds(moved):
+                return moved
+            moved = self.moved(moved)
+        return state
 
     def room(self, state: FitState) -> float:
         """How much the sum of the errors that are asked for may grow; of their squares, where an rms is asked."""
