@@ -60,7 +60,8 @@ class Auto:
         bound = error_that_matters(settings.tolerance)
         robust = ROBUST * bound if settings.robust else np.inf
         weights = weights or TangentSettings(robust=robust)
-        self._descent = Descent(weights, bound, weights.damping)
+        # Between the data only the largest error counts, where one is asked.
+        self._descent = Descent(weights, settings.tolerance.max or bound, weights.damping)
         self._strays = Strays(settings.tolerance.max)
         self._begun = self._cut = self._drawn = False
 
