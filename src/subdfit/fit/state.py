@@ -13,6 +13,7 @@ from subdfit.fit.places import Places
 from subdfit.limit._kernels import order_by_cell
 from subdfit.limit.surface import LimitSurface
 from subdfit.measure import far_points, outliers
+from subdfit.measure.facing import AWAY
 
 Floats = NDArray[np.float64]
 
@@ -142,15 +143,16 @@ class FitState:
         """Look globally for nearer footpoints of the points farther than `threshold`.
 
         Of two sheets of a thin part or crack the other may be nearer; a point goes over to it only where that lies
-        within the threshold. Else it would draw the other sheet across.
+        within the threshold. Else it would draw the other sheet across; but points on curves are held by these.
         """
         rows = np.flatnonzero(self.distance > threshold)
         if len(rows) == 0:
             return self
         found = Projector(self.surface, FOOTPOINT_TOLERANCE).nearest(self.data.points[rows])
         better = found.distance < self.distance[rows]
-        astray = self._facing(rows, self.face[rows], self.uv[rows]) < 0
-        better &= (found.distance <= threshold) | astray | (self._facing(rows, found.face, found.uv) >= 0)
+        astray = self._facing(rows, self.face[rows], self.uv[rows]) < AWAY
+        free = ~self.data.surface_rows[rows] | (found.distance <= threshold)
+        better &= free | astray | (self._facing(rows, found.face, found.uv) >= AWAY)
         face, uv, distance = self.face.copy(), self.uv.copy(), self.distance.copy()
         face[rows[better]] = found.face[better]
         uv[rows[better]] = found.uv[better]
