@@ -11,7 +11,6 @@ from subdfit import __version__
 from subdfit.cli import convert, demo, fit, interpolate, measure, reconstruct, segment, subdivide
 from subdfit.cli.console import Console, one_line
 from subdfit.cli.faults import keep_details
-from subdfit.cli.interrupts import interrupts_kept
 from subdfit.errors import InputError, MachineError
 
 DONE, NOT_REACHED, BAD_INPUT, FAILED, INTERRUPTED = 0, 1, 2, 3, 130
@@ -37,7 +36,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         args = parser().parse_args(argv)
     except SystemExit as leaving:
         return int(leaving.code or 0)
-    with Console(quiet=args.quiet) as console, interrupts_kept():
+    with Console(quiet=args.quiet) as console:
         try:
             code: int = args.run(args, console)
             return code
