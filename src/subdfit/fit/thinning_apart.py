@@ -14,7 +14,7 @@ from subdfit.fit.state import FitState
 from subdfit.fit.stop import within
 from subdfit.fit.tangent import TangentSettings
 from subdfit.fit.thinning_changes import Change
-from subdfit.fit.thinning_hold import DAMPING, ENOUGH, GAIN, STEPS, Hold, Kept
+from subdfit.fit.thinning_hold import DAMPING, DRAWN, ENOUGH, GAIN, STEPS, Hold, Kept
 from subdfit.limit.surface import LimitSurface
 from subdfit.measure import reverse_segments
 from subdfit.mesh.polygon_edits import PolygonEdits
@@ -24,8 +24,6 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Rows = NDArray[np.int64]
 
-DRAWN = 20
-"""Steps that draw the limit points of what is left to where they were; nothing is refined here, and little swings."""
 HOPELESS = 6.0
 """How many times what is asked the largest error is, before any step, of a change that no steps mend."""
 

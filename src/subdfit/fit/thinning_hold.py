@@ -23,6 +23,8 @@ STEPS, GAIN = 4, 0.98
 """Most steps, which end when one leaves more than this share of the energy."""
 DAMPING = 1e-2
 """Their first damping: large faces leave directions in which little holds their vertices."""
+DRAWN = 20
+"""Steps that draw the limit points of what is left to where they were; nothing is refined here, and little swings."""
 
 SETTLING = 8
 """Rounds of steps in which both sides may come within tolerance."""

@@ -11,15 +11,12 @@ from subdfit.fit.changes import faces_at, ring
 from subdfit.fit.places import Places
 from subdfit.fit.state import FitState
 from subdfit.fit.thinning_changes import Change
-from subdfit.fit.thinning_hold import Hold, Kept
+from subdfit.fit.thinning_hold import DRAWN, Hold, Kept
 from subdfit.limit.surface import LimitSurface
 from subdfit.mesh.polygon_edits import PolygonEdits
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
-
-DRAWN = 20
-"""Steps that draw the limit points of what is left to where they were; nothing is refined here, and little swings."""
 
 
 @dataclass(frozen=True, eq=False)
