@@ -146,3 +146,23 @@ def test_no_scanned_point_has_a_nearer_point_on_the_five_times_refined_surface(m
     queries = points[::5]
     brute, _ = cKDTree(vertices).query(queries)
     assert np.all(Projector(surface).certain(queries).distance <= brute + 1e-6)
+
+
+def test_points_of_a_curve_keep_to_its_strand_where_two_run_side_by_side() -> None:
+    """As at slits and at the rims of thin parts: the nearest strand is the wrong one once a point is half across."""
+    width, count = 0.3, 11
+    points = np.array([(x, y, 0.0) for y in (0.0, width) for x in range(count)])
+    lower = np.arange(count - 1)
+    triangles = np.concatenate(
+        [np.stack([lower, lower + 1, lower + count], 1), np.stack([lower + 1, lower + 1 + count, lower + count], 1)]
+    )
+    curves = SurfaceCurves(LimitSurface(ControlMesh.from_triangles(points, triangles), "loop"), inner=False)
+    queries = np.column_stack([np.linspace(2, 8, 50), np.full(50, 0.2), np.zeros(50)])
+    along = np.tile([1.0, 0.0, 0.0], (50, 1))
+    upper, own = curves.closest(queries), curves.closest(queries, along)
+    assert np.allclose(upper.position[:, 1], width)
+    assert np.allclose(own.position, queries - [0.0, 0.2, 0.0])
+    near = curves.closest(queries, along, apart=0.11)
+    assert np.array_equal(near.position, upper.position)
+    unknown = curves.closest(queries, np.zeros_like(along))
+    assert np.array_equal(unknown.position, upper.position)

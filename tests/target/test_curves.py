@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from subdfit.errors import InputError
-from subdfit.target.curves import boundary_edges, boundary_loops, curves
+from subdfit.target.curves import boundary_edges, boundary_loops, curves, directions
 from subdfit.target.features import crease_edges
 
 
@@ -49,6 +49,15 @@ def test_sharp_turns_split_when_asked():
     assert [curve.vertices.tolist() for curve in found] == [[0, 1, 2], [2, 3], [3, 4], [4, 0]]
     with pytest.raises(InputError, match="points="):
         curves(square, turn_degrees=45.0)
+
+
+def test_directions_are_those_of_the_curve_and_unknown_where_it_turns_back():
+    angle = np.linspace(0, 2 * np.pi, 90, endpoint=False)
+    ring = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(90)])
+    edges = np.column_stack([np.arange(90), np.roll(np.arange(90), -1)])
+    assert np.allclose(directions(ring, edges), np.cross([0, 0, 1], ring))
+    spike = np.array([[0, 0, 0], [1, 0.1, 0], [0, 0.2, 0], [5, 5, 5]], float)
+    assert np.array_equal(np.linalg.norm(directions(spike, np.array([[0, 1], [1, 2]])), axis=1).round(9), [1, 0, 1, 0])
 
 
 def test_a_loop_with_one_corner_begins_and_ends_there():

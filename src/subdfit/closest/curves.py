@@ -1,9 +1,11 @@
 """Closest points on the boundary or crease curves of a limit surface."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from subdfit.limit.surface import LimitSurface
 from subdfit.schemes.domain import CORNERS
@@ -16,6 +18,9 @@ SEGMENTS = 4
 NEWTON_STEPS = 6
 SETTLED = 1e-7
 """A parameter that moves by less is found: what is left is its square."""
+AGAINST, STRANDS = -0.3, 32
+"""Cosine between the directions of a point's curve and of a chord from which that runs against it; and among how many
+of the nearest chords one that does not is looked for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,9 +98,20 @@ class SurfaceCurves:
         cell = self.cell[side]
         return cell, np.clip(self.surface.domain.along(cell, self.side[side], t), 0.0, 1.0)
 
-    def closest(self, points: Floats) -> CurveProjection:
-        """Footpoints of (k, 3) points: the nearest chord, then Newton's method along the curves."""
-        start = self._start(points)
+    def closest(self, points: Floats, along: Floats | None = None, apart: float = 0.0) -> CurveProjection:
+        """Footpoints of points: the nearest chord, then Newton's method along the curves.
+
+        Parameters
+        ----------
+        points
+            (k, 3).
+        along
+            (k, 3), optional: the unit directions of the curves they lie on, zero where unknown. A slit and the rim of a
+            thin part have two strands side by side, which run against each other: of these a point keeps to its own.
+        apart
+            Strands nearer to a point than this are not told apart.
+        """
+        start = self._start(points, along, apart)
         side, t = start[0].copy(), start[1].copy()
         moving = np.arange(len(points))
         for _ in range(NEWTON_STEPS):
@@ -113,14 +129,38 @@ class SurfaceCurves:
                 break
         return self._best(points, side, t, *start)
 
-    def _start(self, points: Floats) -> tuple[NDArray[np.int64], Floats]:
-        count = len(self)
-        knots = np.tile(np.linspace(0, 1, SEGMENTS + 1), count)
-        vertices = self._expand(np.repeat(np.arange(count), SEGMENTS + 1), knots)[0]
-        first = (np.arange(count)[:, None] * (SEGMENTS + 1) + np.arange(SEGMENTS)).ravel()
-        found = SegmentTree(vertices, np.column_stack([first, first + 1])).closest(points)
-        segment = found.segment.astype(np.int64)
-        return segment // SEGMENTS, (segment % SEGMENTS + found.parameter) / SEGMENTS
+    def _start(self, points: Floats, along: Floats | None, apart: float) -> tuple[NDArray[np.int64], Floats]:
+        ends = np.arange(2 * len(self._chords)).reshape(-1, 2)
+        found = SegmentTree(self._chords.reshape(-1, 3), ends).closest(points)
+        chord, parameter = found.segment.astype(np.int64), found.parameter
+        if along is not None:
+            against = np.flatnonzero(self._against(chord, along) & (found.distance > apart))
+            own, known = self._own_strand(points[against], along[against])
+            chord[against[known]], parameter[against[known]] = own[known], 0.5
+        return chord // SEGMENTS, (chord % SEGMENTS + parameter) / SEGMENTS
+
+    @cached_property
+    def _chords(self) -> Floats:
+        """The ends of the chords of all sides, (sides `SEGMENTS`, 2, 3)."""
+        count, knots = len(self), np.linspace(0, 1, SEGMENTS + 1)
+        side = np.repeat(np.arange(count), len(knots))
+        at = self._expand(side, np.tile(knots, count))[0].reshape(count, len(knots), 3)
+        return np.stack([at[:, :-1], at[:, 1:]], axis=2).reshape(-1, 2, 3)
+
+    def _against(self, chord: NDArray[np.int64], along: Floats) -> NDArray[np.bool_]:
+        """Whether chords, (k, ...), run against directions, (k, 3)."""
+        run = self._chords[chord, 1] - self._chords[chord, 0]
+        cosine = np.einsum("k...d,kd->k...", run, along)
+        return np.asarray(cosine < AGAINST * np.linalg.norm(run, axis=-1))
+
+    def _own_strand(self, points: Floats, along: Floats) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+        """For each point the nearest chord by its middle that does not run against it; whether there is one near."""
+        if len(points) == 0:
+            return np.empty(0, np.int64), np.empty(0, np.bool_)
+        ranks = np.arange(1, min(STRANDS, len(self._chords)) + 1)
+        near = np.asarray(cKDTree(self._chords.mean(axis=1)).query(points, k=ranks)[1], np.int64)
+        alike = ~self._against(near, along)
+        return near[np.arange(len(near)), alike.argmax(axis=1)], np.asarray(alike.any(axis=1))
 
     def _expand(self, side: NDArray[np.int64], t: Floats) -> tuple[Floats, Floats, Floats]:
         """Position, first and second derivative by t."""

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from subdfit.target.curves import directions
 from subdfit.target.normals import face_normals
 from subdfit.target.sampling import face_samples
 from subdfit.target.target import Target
@@ -25,9 +26,11 @@ class FitData:
         infinite for a vertex that is left out as an outlier.
     normals : (k, 3), the target's unit normals there; zero where they are not known.
     boundary, crease : rows of the points that lie on the target's boundary, on its creases.
+    along : (b, 3), unit directions of the boundary at its points, the triangles on its left; zero where unclear.
     target : the target itself, in the normalised frame.
     spacing : mean length of the target's edges, none counted as longer than samples inside faces are apart; 0 for a
         cloud.
+    bound : the error that matters: sheets and curves nearer to a point need not be told apart.
     """
 
     points: Floats
@@ -36,11 +39,13 @@ class FitData:
     normals: Floats
     boundary: NDArray[np.int64]
     crease: NDArray[np.int64]
+    along: Floats
     target: Target
     spacing: float
+    bound: float
 
     @classmethod
-    def of(cls, target: Target, spacing: float) -> "FitData":
+    def of(cls, target: Target, spacing: float, bound: float = 0.0) -> "FitData":
         """Gather the data of a normalised target; faces with sides longer than `spacing` get samples inside."""
         used = target.used
         row = np.full(len(target.points), -1, np.int64)
@@ -54,7 +59,9 @@ class FitData:
                 normals = np.concatenate([normals, face_normals(target.points, target.triangles[triangle])])
         boundary = _known(row[target.boundary_edges])
         crease = np.setdiff1d(_known(row[target.crease_edges]), boundary)
-        return cls(points, len(used), allowance, normals, boundary, crease, target, _mean_spacing(target, spacing))
+        along = directions(target.points, target.boundary_edges)[used[boundary]]
+        mean = _mean_spacing(target, spacing)
+        return cls(points, len(used), allowance, normals, boundary, crease, along, target, mean, bound)
 
     def subset(self, rows: NDArray[np.int64]) -> "FitData":
         """The data of some rows, ascending."""
@@ -68,8 +75,10 @@ class FitData:
             self.normals[rows],
             boundary[boundary >= 0],
             crease[crease >= 0],
+            self.along[boundary >= 0],
             self.target,
             self.spacing,
+            self.bound,
         )
 
     def without(self, outliers: NDArray[np.int64]) -> "FitData":

@@ -20,7 +20,7 @@ from subdfit.fit.result import FitResult, Iteration, Status
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.starts import parted, started
 from subdfit.fit.state import FitState
-from subdfit.fit.stop import badness, within
+from subdfit.fit.stop import badness, error_that_matters, within
 from subdfit.fit.thinning import Thinning
 from subdfit.limit.surface import LimitSurface
 from subdfit.measure import Measurement, Outliers, measure
@@ -156,7 +156,7 @@ def fit_target(
     run = _Run(target, settings, Frame.of(target.points[target.used]), progress)
     clock = time.perf_counter()
     inside, mesh = started(target.normalised(run.frame), settings)
-    data = FitData.of(inside, settings.sample_spacing)
+    data = FitData.of(inside, settings.sample_spacing, error_that_matters(settings.tolerance))
     run.timed("start", clock)
     clock = time.perf_counter()
     state = FitState.start(data, LimitSurface(mesh, settings.scheme))

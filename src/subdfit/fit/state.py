@@ -70,9 +70,10 @@ class FitState:
         return cls(data, surface, found.face, found.uv, found.distance, None, None).with_curves_of(surface)
 
     def _with_curves(self, curves: tuple[SurfaceCurves | None, SurfaceCurves | None]) -> "FitState":
+        data = self.data
         found = [
-            curve.closest(self.data.points[rows]) if curve is not None and len(curve) else None
-            for curve, rows in zip(curves, (self.data.boundary, self.data.crease), strict=True)
+            curve.closest(data.points[rows], along, data.bound) if curve is not None and len(curve) else None
+            for curve, rows, along in zip(curves, (data.boundary, data.crease), (data.along, None), strict=True)
         ]
         return replace(self, boundary=found[0], crease=found[1], curves=curves)
 

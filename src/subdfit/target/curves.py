@@ -7,6 +7,9 @@ from numpy.typing import NDArray
 
 from subdfit.errors import InputError
 
+TURNING = 0.5
+"""Where the directions of the edges before and after a point add up to less, it is one where a curve turns back."""
+
 
 @dataclass(frozen=True)
 class Curve:
@@ -37,6 +40,22 @@ def boundary_edges(triangles: NDArray[np.integer]) -> NDArray[np.int64]:
     _, first, valence = np.unique(key, return_index=True, return_counts=True)
     single: NDArray[np.int64] = sides[np.sort(first[valence == 1])]
     return single
+
+
+def directions(points: NDArray[np.float64], edges: NDArray[np.integer]) -> NDArray[np.float64]:
+    """Unit directions, (n, 3), in which directed edges (e, 2) run at points (n, 3).
+
+    Zero where a curve turns back, and at points of none.
+    """
+    found = np.zeros_like(points)
+    np.add.at(found, edges, _units(points[edges[:, 1]] - points[edges[:, 0]], 0.0)[:, None])
+    return _units(found, TURNING)
+
+
+def _units(vectors: NDArray[np.float64], shortest: float) -> NDArray[np.float64]:
+    """Unit vectors, (k, 3); zero for those that are no longer than the shortest."""
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.asarray(np.divide(vectors, length, out=np.zeros_like(vectors), where=length > shortest))
 
 
 def boundary_loops(triangles: NDArray[np.integer]) -> list[Curve]:
