@@ -155,16 +155,29 @@ def test_inflation_may_change_with_a_refit():
     )
 
 
+def test_what_is_near_enough_is_not_sought_further_and_what_is_not_is_exact():
+    points, triangles, queries = soup(7)
+    tree = TriangleTree(points, triangles)
+    exact = tree.closest(queries)
+    enough = float(np.median(exact.distance))
+    found = tree.closest(queries, enough=enough)
+    far = exact.distance > enough
+    np.testing.assert_array_equal(found.distance[far], exact.distance[far])
+    np.testing.assert_array_equal(found.triangle[far], exact.triangle[far])
+    assert np.all(found.distance[~far] <= enough)
+    assert np.any(found.distance[~far] > exact.distance[~far])
+
+
 def test_the_kernel_seeks_only_strictly_nearer_triangles():
     points, triangles, queries = soup(7)
     tree = TriangleTree(points, triangles)
     nodes, bounds = np.empty(STACK_SIZE, np.int32), np.empty(STACK_SIZE)
     for query, distance in zip(queries, tree.closest(queries).distance, strict=True):
         arrays = tree.boxes, tree.children, tree.corners
-        slot, squared = nearest(*arrays, *query, distance**2 * 1.001, nodes, bounds)
+        slot, squared = nearest(*arrays, *query, distance**2 * 1.001, 0.0, nodes, bounds)
         assert slot >= 0
         assert squared == pytest.approx(distance**2)
-        assert nearest(*arrays, *query, distance**2 * 0.999, nodes, bounds)[0] == -1
+        assert nearest(*arrays, *query, distance**2 * 0.999, 0.0, nodes, bounds)[0] == -1
 
 
 @pytest.mark.parametrize("count", [1, 2, 5])

@@ -65,7 +65,8 @@ class Samples:
         if not target.is_mesh or len(face) == 0:
             return cls.none()
         position = surface.evaluate(face, uv).position if position is None else position
-        found = target.tree.closest(position, start=near)
+        # Samples within the bound are dropped: they need not know what lies nearest.
+        found = target.tree.closest(position, start=near, enough=bound or 0.0)
         gap = found.distance - target.allowance(position, found)
         far = slice(None) if bound is None else np.flatnonzero(gap > bound)
         foot = target.on_triangles(found.triangle[far], found.uv[far])

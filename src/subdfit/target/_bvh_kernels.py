@@ -89,6 +89,7 @@ def nearest(
     y: float,
     z: float,
     best_squared: float,
+    enough_squared: float,
     stack_nodes: Indices,
     stack_bounds: Reals,
 ) -> tuple[int, float]:
@@ -99,6 +100,7 @@ def nearest(
     boxes, children, corners : the tree.
     x, y, z : the point.
     best_squared : only triangles strictly nearer than this are sought; ``np.inf`` for any.
+    enough_squared : the search ends at the first triangle found so near, the nearest or not.
     stack_nodes, stack_bounds : (STACK_SIZE,) int32 and float64, scratch.
 
     Returns
@@ -108,6 +110,8 @@ def nearest(
     best = -1
     top = 0
     node = int(ROOT)
+    if best_squared <= enough_squared:
+        return best, best_squared
     while True:
         if node >= 0:
             near, far = int(children[node, 0]), int(children[node, 1])
@@ -128,6 +132,8 @@ def nearest(
                 squared = closest_on_triangle(corners, slot, x, y, z)[2]
                 if squared < best_squared:
                     best, best_squared = slot, squared
+            if best_squared <= enough_squared:
+                return best, best_squared
         while top > 0 and not stack_bounds[top - 1] < best_squared:
             top -= 1
         if top == 0:
@@ -201,13 +207,14 @@ def nearest_of_many(
     queries: Reals,
     order: NDArray[np.int64],
     start: Indices,
+    enough: float,
     triangle: Indices,
     uv: Reals,
     distance: Reals,
 ) -> None:
     """Closest point for the queries `order`, written to their places in `triangle`, `uv` and `distance`.
 
-    ``start[q]`` is a triangle that is likely near query q, or -1.
+    ``start[q]`` is a triangle that is likely near query q, or -1. Within the distance `enough` any triangle will do.
     """
     stack_nodes = np.empty(STACK_SIZE, np.int32)
     stack_bounds = np.empty(STACK_SIZE)
@@ -215,7 +222,7 @@ def nearest_of_many(
         x, y, z = queries[q, 0], queries[q, 1], queries[q, 2]
         guess = slots[start[q]] if start[q] >= 0 else -1
         bound = closest_on_triangle(corners, guess, x, y, z)[2] if guess >= 0 else np.inf
-        slot, squared = nearest(boxes, children, corners, x, y, z, bound, stack_nodes, stack_bounds)
+        slot, squared = nearest(boxes, children, corners, x, y, z, bound, enough * enough, stack_nodes, stack_bounds)
         if slot < 0:
             slot = guess
         u, v, squared = closest_on_triangle(corners, slot, x, y, z)

@@ -148,7 +148,9 @@ class TriangleTree:
         self._pack(self._checked(points))
         building.refit(self.children, self.corners, self.rows, self.inflation, self.boxes)
 
-    def closest(self, queries: NDArray[np.float64], *, start: NDArray[np.int32] | None = None) -> Closest:
+    def closest(
+        self, queries: NDArray[np.float64], *, start: NDArray[np.int32] | None = None, enough: float = 0.0
+    ) -> Closest:
         """Closest points on the triangles.
 
         Parameters
@@ -157,6 +159,8 @@ class TriangleTree:
         start : (q,) int32, optional
             A triangle likely to be near each query, -1 for none; it saves time and changes nothing but
             which of several equally near triangles is named.
+        enough : float
+            The search for a query ends at a triangle found within this distance, though another may be nearer still.
         """
         queries = _finite(queries, "query")
         guess = np.full(len(queries), -1, np.int32) if start is None else _require(start, np.int32)
@@ -170,7 +174,7 @@ class TriangleTree:
         def job(first: int, last: int) -> None:
             kernels.nearest_of_many(
                 self.boxes, self.children, self.corners, self.rows, self.slots,
-                queries, order[first:last], guess, triangle, uv, distance,
+                queries, order[first:last], guess, enough, triangle, uv, distance,
             )  # fmt: skip
 
         map_chunks(job, len(queries), _CHUNK)
@@ -180,7 +184,7 @@ class TriangleTree:
         """Order in which neighbours in space follow one another, so that the nodes they visit are cached."""
         if len(queries) == 0:
             return np.empty(0, np.int64)
-        low, high = queries.min(axis=0), queries.max(axis=0)
+        low, high = self.boxes[0, :, :3].min(axis=0), self.boxes[0, :, 3:].max(axis=0)
         extent = float(np.max(high - low))
         scale = 1024.0 / extent if extent > 1e-150 else 0.0
         codes = np.empty(len(queries), np.uint32)

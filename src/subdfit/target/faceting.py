@@ -3,10 +3,14 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from subdfit.parallel import map_chunks
+from subdfit.target import _faceting_kernels as kernels
 from subdfit.target.features import mesh_edges
 from subdfit.target.normals import sector_normals, vertex_normals
 
 Floats = NDArray[np.float64]
+
+CHUNK = 16384
 
 
 def rises(points: Floats, triangles: NDArray[np.integer], crease_edges: NDArray[np.integer]) -> Floats:
@@ -36,7 +40,7 @@ def rises(points: Floats, triangles: NDArray[np.integer], crease_edges: NDArray[
     return _shared_at_creases(found, triangles, creases)
 
 
-def height(rise: Floats, uv: Floats) -> Floats:
+def height(rise: Floats, triangle: NDArray[np.integer], uv: Floats) -> Floats:
     """How far the smooth surface lies off points of triangles, (k,) float64: 0 at vertices, continuous across sides.
 
     The terms of second order of the curved PN triangle, ``4 |sum of b_i b_j rise_ij|`` at barycentric b: exact in the
@@ -45,12 +49,12 @@ def height(rise: Floats, uv: Floats) -> Floats:
 
     Parameters
     ----------
-    rise : (k, 3, 3) float64, the triangles' `rises`.
-    uv : (k, 2) float64, where the points lie, at barycentric (1 - u - v, u, v).
+    rise : (m, 3, 3) float64, `rises`.
+    triangle : (k,) int, and uv (k, 2) float64: where the points lie, at barycentric (1 - u - v, u, v).
     """
-    b = np.column_stack([1.0 - uv.sum(axis=1), uv])
-    off = np.einsum("ki,kid->kd", b * np.roll(b, -1, axis=1), rise)
-    return np.asarray(4.0 * np.linalg.norm(off, axis=1))
+    found = np.empty(len(triangle))
+    map_chunks(lambda start, stop: kernels.heights(rise, triangle, uv, start, stop, found), len(triangle), CHUNK)
+    return found
 
 
 def sagitta(rise: Floats) -> Floats:

@@ -95,7 +95,7 @@ class Target:
 
     def sagitta(self, triangle: NDArray[np.integer], uv: NDArray[np.float64]) -> NDArray[np.float64]:
         """How far that surface lies off points of triangles, (k,): 0 at vertices, continuous across edges."""
-        return height(self._rises[triangle], uv)
+        return height(self._rises, triangle, uv)
 
     def allowance(self, queries: NDArray[np.float64], found: Closest) -> NDArray[np.float64]:
         """How far queries, (q, 3), may lie off their feet `found` on the triangles for no fault of the surface, (q,).
