@@ -6,6 +6,7 @@ import pytest
 
 from subdfit.errors import InputError
 from subdfit.initial import decimate, fill_holes, keep_components
+from subdfit.initial.decimate import Decimation
 
 SMALL = {
     "tetrahedron": (laws.tetrahedron(), 4),
@@ -245,3 +246,14 @@ def test_bad_input_is_refused_in_one_line(change, words):
     with pytest.raises(InputError, match=words) as caught:
         decimate(**change)
     assert "\n" not in str(caught.value)
+
+
+def test_a_decimation_that_stops_on_the_way_ends_as_one_that_does_not():
+    points, triangles = laws.sphere(4)
+    points = points * (1 + 0.1 * np.sin(7 * points[:, :1]))
+    decimation = Decimation(points, triangles)
+    half = decimation.down_to(1000)
+    end, straight = decimation.down_to(100), decimate(points, triangles, 100)
+    assert len(half.points) == 1000
+    np.testing.assert_array_equal(end.points, straight.points)
+    np.testing.assert_array_equal(end.triangles, straight.triangles)

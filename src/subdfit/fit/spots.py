@@ -6,12 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.fit.descent import Descent, Part
-from subdfit.fit.regions import regions
+from subdfit.fit.regions import Region, Rows, regions
 from subdfit.fit.reverse import even_samples, sparse_curve_samples, strays
 from subdfit.fit.state import FitState
 from subdfit.fit.system import smoothed
 from subdfit.fit.tangent import TangentSettings
 from subdfit.measure import reverse_segments
+from subdfit.parallel import map_items
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -76,9 +77,14 @@ def spots_moved(state: FitState, moving: Flags, weights: TangentSettings, bound:
     """The state after the flagged control vertices, (n,), have moved, those of each spot by themselves."""
     points = state.surface.control_mesh.points.copy()
     segments = reverse_segments(state.surface.domain)
-    for region, cells in regions(state.surface, moving):
+
+    def moved(found: tuple[Region, Flags]) -> tuple[Rows, Floats]:
+        region, cells = found
         free = moving[region.vertices] & region.own
         some, _ = region.state(state, cells).thinned(ENOUGH)
         spot = Spot(some, region.inner, free, segments, weights, bound)
-        points[region.vertices[free]] = spot.moved(insistence)[free]
+        return region.vertices[free], spot.moved(insistence)[free]
+
+    for vertices, places in map_items(moved, regions(state.surface, moving)):
+        points[vertices] = places
     return state.onto(state.surface.with_points(points), state.face, state.uv)

@@ -229,6 +229,19 @@ def _raise_ceiling(vertices, keys, edges, sizes):  # type: ignore[no-untyped-def
 
 
 @kernel
+def queue_edges(  # type: ignore[no-untyped-def]
+    points, quadrics, vertices, twin, mark, valence, kind, subset, keys, edges, sizes, state
+):
+    """Enter all edges that may be collapsed into an empty queue: none on the heap as yet, all waiting."""
+    for first in range(len(vertices)):
+        if vertices[first] >= 0 and twin[first] < first:
+            cost, _x, _y, _z = _cost(first, state, points, quadrics, vertices, twin, mark, kind, valence, subset)
+            if cost < np.inf:
+                state[first] = QUEUED
+                _enter(first, cost, -1.0, keys, edges, sizes)
+
+
+@kernel
 def collapse_edges(  # type: ignore[no-untyped-def]
     points,
     quadrics,
@@ -244,6 +257,12 @@ def collapse_edges(  # type: ignore[no-untyped-def]
     least_quality,
     least_turn,
     subset,
+    keys,
+    edges,
+    sizes,
+    state,
+    seen,
+    highest,
 ):
     """Collapse the cheapest admissible edges, in place, until `target` vertices are left or none is admissible.
 
@@ -255,24 +274,15 @@ def collapse_edges(  # type: ignore[no-untyped-def]
     `least_quality` only where the star had a worse one, and must keep each survivor's normal within the angle of cosine
     `least_turn`. What is refused waits for another try, at an end or midpoint, at higher costs.
 
+    The queue is that of `queue_edges`, or as an earlier call left it: `keys`, `edges` (2, h) and `sizes` (2,), the heap
+    and what waits; `state` (h,) of each half-edge's entry; `seen` (n,), stamps; `highest` (1,), the heap's ceiling.
+
     Returns
     -------
     alive : int, vertices left.
     """
-    capacity = len(vertices)
-    keys, edges = np.empty((2, capacity)), np.empty((2, capacity), np.int32)
-    sizes = np.zeros(2, np.int64)
-    state = np.zeros(capacity, np.int8)
-    seen = np.zeros(len(points), np.int32)
-    stamp = 0
-    ceiling = -1.0
-    for first in range(capacity):
-        if vertices[first] >= 0 and twin[first] < first:
-            cost, x, y, z = _cost(first, state, points, quadrics, vertices, twin, mark, kind, valence, subset)
-            if cost < np.inf:
-                state[first] = QUEUED
-                _enter(first, cost, ceiling, keys, edges, sizes)
-
+    stamp = seen.max()
+    ceiling = highest[0]
     while alive > target:
         if sizes[0] == 0:
             if sizes[1] == 0:
@@ -338,6 +348,7 @@ def collapse_edges(  # type: ignore[no-untyped-def]
                     state[spoke] = QUEUED
                     _enter(spoke, cost, ceiling, keys, edges, sizes)
             spoke, ring_end = _next_spoke(spoke, kept, vertices, twin, outgoing)
+    highest[0] = ceiling
     return alive
 
 

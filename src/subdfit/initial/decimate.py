@@ -2,13 +2,14 @@
 
 import logging
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
 from subdfit.errors import InputError
-from subdfit.initial._decimate_kernels import CORNER, CURVE, SMOOTH, collapse_edges
+from subdfit.initial._decimate_kernels import CORNER, CURVE, SMOOTH, collapse_edges, queue_edges
 from subdfit.initial._quadric_kernels import vertex_quadrics
 from subdfit.mesh.topology import Topology
 from subdfit.wording import counted
@@ -69,6 +70,89 @@ class _Mesh:
     kind: NDArray[np.int8]
 
 
+class _Queue(NamedTuple):
+    """The edges that may be collapsed, as the kernel keeps them; see `collapse_edges`."""
+
+    keys: NDArray[np.float64]
+    edges: NDArray[np.int32]
+    sizes: NDArray[np.int64]
+    state: NDArray[np.int8]
+    seen: NDArray[np.int32]
+    highest: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, mesh: _Mesh, quadrics: NDArray[np.float64], subset: bool) -> "_Queue":
+        """The queue of all edges of a mesh."""
+        room = len(mesh.vertices)
+        queue = cls(
+            np.empty((2, room)),
+            np.empty((2, room), np.int32),
+            np.zeros(2, np.int64),
+            np.zeros(room, np.int8),
+            np.zeros(len(mesh.points), np.int32),
+            np.array([-1.0]),
+        )
+        m = mesh
+        queue_edges(m.points, quadrics, m.vertices, m.twin, m.mark, m.valence, m.kind, subset, *queue[:4])
+        return queue
+
+
+class Decimation:
+    """Edge collapses, least quadric error first, that stop on the way and go on; arguments as those of `decimate`."""
+
+    def __init__(
+        self,
+        points: ArrayLike,
+        triangles: ArrayLike,
+        *,
+        crease_edges: ArrayLike | None = None,
+        corners: ArrayLike | None = None,
+        max_valence: int = 10,
+        subset: bool = False,
+        weights: ArrayLike | None = None,
+    ) -> None:
+        positions = np.array(points, np.float64, order="C")
+        _check(positions, max_valence)
+        topology = Topology.from_triangles(triangles, len(positions), crease_edges=crease_edges)
+        self._fixed = _corner_rows(corners, len(positions))
+        self._middle = 0.5 * (positions.min(axis=0) + positions.max(axis=0))
+        self._size = float(np.linalg.norm(positions.max(axis=0) - positions.min(axis=0))) or 1.0
+        self._mesh = _prepare(topology, (positions - self._middle) / self._size, self._fixed)
+        self._quadrics = vertex_quadrics(self._mesh.points, self._mesh.vertices, self._mesh.mark)
+        if weights is not None:
+            self._quadrics *= _weights(weights, len(positions))[:, None]
+        self._positions, self._subset = positions, subset
+        self._left = len(positions)
+        # Given up is only what is desirable, one thing after the other, until the target is reached.
+        self._limits = [
+            (max_valence, LEAST_QUALITY, LEAST_TURN),
+            (max_valence, LEAST_QUALITY_EVER, LEAST_TURN_EVER),
+            (NO_LIMIT, LEAST_QUALITY_EVER, LEAST_TURN_EVER),
+        ]
+        self._queue: _Queue | None = None
+
+    def down_to(self, target: int) -> Decimated:
+        """The mesh with `target` vertices, or with those that are left where these are fewer or no more can go."""
+        while self._left > target:
+            before = self._left
+            self._collapse(target)
+            if self._left > target:
+                self._queue = None
+            if self._left == before:
+                if len(self._limits) == 1:
+                    break
+                del self._limits[0]
+        found = _harvest(self._mesh, self._fixed, self._middle, self._size, _shortfall(self._left, target))
+        return _at_their_rows(found, self._positions) if self._subset else found
+
+    def _collapse(self, target: int) -> None:
+        """Collapse edges until the target is reached or the queue, which is made anew if there is none, is empty."""
+        m = self._mesh
+        self._queue = self._queue or _Queue.of(m, self._quadrics, self._subset)
+        arrays = (m.points, self._quadrics, m.vertices, m.twin, m.mark, m.outgoing, m.valence, m.kind)
+        self._left = int(collapse_edges(*arrays, self._left, target, *self._limits[0], self._subset, *self._queue))
+
+
 def decimate(
     points: ArrayLike,
     triangles: ArrayLike,
@@ -120,19 +204,17 @@ def decimate(
     Garland and Heckbert, Surface simplification using quadric error metrics, SIGGRAPH 1997.
     Dey, Edelsbrunner, Guha and Nekhayev, Topology preserving edge contraction, 1999.
     """
-    positions = np.array(points, np.float64, order="C")
-    _check(positions, target, max_valence)
-    topology = Topology.from_triangles(triangles, len(positions), crease_edges=crease_edges)
-    fixed = _corner_rows(corners, len(positions))
-    middle = 0.5 * (positions.min(axis=0) + positions.max(axis=0))
-    size = float(np.linalg.norm(positions.max(axis=0) - positions.min(axis=0))) or 1.0
-    mesh = _prepare(topology, (positions - middle) / size, fixed)
-    quadrics = vertex_quadrics(mesh.points, mesh.vertices, mesh.mark)
-    if weights is not None:
-        quadrics *= _weights(weights, len(positions))[:, None]
-    left = _collapse_in_stages(mesh, quadrics, target, max_valence, subset)
-    found = _harvest(mesh, fixed, middle, size, _shortfall(left, target))
-    return _at_their_rows(found, positions) if subset else found
+    if target < 3:
+        raise InputError(f"target is {target}; ask for at least 3 vertices")
+    return Decimation(
+        points,
+        triangles,
+        crease_edges=crease_edges,
+        corners=corners,
+        max_valence=max_valence,
+        subset=subset,
+        weights=weights,
+    ).down_to(target)
 
 
 def _shortfall(left: int, target: int) -> str | None:
@@ -147,14 +229,12 @@ def _shortfall(left: int, target: int) -> str | None:
     return message
 
 
-def _check(points: NDArray[np.float64], target: int, max_valence: int) -> None:
+def _check(points: NDArray[np.float64], max_valence: int) -> None:
     if points.ndim != 2 or points.shape[1] != 3 or not len(points):
         raise InputError(f"points have shape {points.shape}; give (n, 3) with n > 0")
     if not np.isfinite(points).all():
         row = int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0])
         raise InputError(f"point {row} is not finite; remove it and its faces")
-    if target < 3:
-        raise InputError(f"target is {target}; ask for at least 3 vertices")
     if max_valence < 6:
         raise InputError(f"max_valence is {max_valence}; the mean is 6, so allow at least that")
 
@@ -195,39 +275,6 @@ def _weights(weights: ArrayLike, count: int) -> NDArray[np.float64]:
     if found.shape != (count,) or not np.all((found > 0) & np.isfinite(found)):
         raise InputError(f"the weights must be {count} positive numbers, one for each point")
     return found
-
-
-def _collapse_in_stages(mesh: _Mesh, quadrics: NDArray[np.float64], target: int, max_valence: int, subset: bool) -> int:
-    """Give up what is only desirable, one thing after the other, until the target is reached."""
-    left = len(mesh.points)
-    stages = (
-        (max_valence, LEAST_QUALITY, LEAST_TURN),
-        (max_valence, LEAST_QUALITY_EVER, LEAST_TURN_EVER),
-        (NO_LIMIT, LEAST_QUALITY_EVER, LEAST_TURN_EVER),
-    )
-    for most_valence, quality, turn in stages:
-        before = -1
-        while left not in (before, target) and left > target:
-            before = left
-            left = int(
-                collapse_edges(
-                    mesh.points,
-                    quadrics,
-                    mesh.vertices,
-                    mesh.twin,
-                    mesh.mark,
-                    mesh.outgoing,
-                    mesh.valence,
-                    mesh.kind,
-                    left,
-                    target,
-                    most_valence,
-                    quality,
-                    turn,
-                    subset,
-                )
-            )
-    return left
 
 
 def _at_their_rows(found: Decimated, points: NDArray[np.float64]) -> Decimated:

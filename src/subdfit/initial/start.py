@@ -1,15 +1,13 @@
 """The first control mesh: the target decimated to a number of vertices chosen from the tolerance."""
 
 import logging
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.errors import InputError
-from subdfit.initial.decimate import Decimated, decimate
+from subdfit.initial.decimate import Decimated, Decimation, decimate
 from subdfit.initial.pairing import pair_triangles
 from subdfit.initial.reach import within_reach
 from subdfit.initial.sheets import Sheets
@@ -108,24 +106,19 @@ def _coarse_enough(
 ) -> Decimated:
     """Decimate as far as the tolerance lets a fit begin."""
     wanted = min(max(4, round(SHARE * len(points))), budget)
-    found = decimate(points, triangles, wanted, crease_edges=creases)
+    most = min(max(4, int(LARGEST_SHARE * len(points))), budget)
+    decimation = Decimation(points, triangles, crease_edges=creases)
+    dense, found = decimation.down_to(most), decimation.down_to(wanted)
     distance = _distances(points, found)
-    while distance.max() > COARSEST * bound and 2 * wanted <= min(LARGEST_SHARE * len(points), budget):
+    while distance.max() > COARSEST * bound and 2 * wanted <= most:
         wanted *= 2
         found = decimate(points, triangles, wanted, crease_edges=creases)
         distance = _distances(points, found)
-    most = min(int(LARGEST_SHARE * len(points)), budget)
-    dense = partial(decimate, points, triangles, most, crease_edges=creases)
-    return _coarsened(points, found, distance, bound, sheets, dense)
+    return _coarsened(points, dense, found, distance, bound, sheets)
 
 
 def _coarsened(
-    points: Floats,
-    found: Decimated,
-    distance: Floats,
-    bound: float,
-    sheets: Sheets | None,
-    dense: Callable[[], Decimated],
+    points: Floats, dense: Decimated, found: Decimated, distance: Floats, bound: float, sheets: Sheets | None
 ) -> Decimated:
     """Decimate further, as far as the points stay near enough; `distance` (n,) are theirs from what was found."""
     finest, wanted, cloud = found, len(found.points), sheets is None
@@ -174,9 +167,7 @@ def _longest(mesh: Decimated, triangle: NDArray[np.integer]) -> Floats:
     return np.asarray(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1, initial=0.0))
 
 
-def _finer_where_wanting(
-    wanting: _Wanting, finest: Decimated, coarse: Decimated, dense: Callable[[], Decimated]
-) -> Decimated:
+def _finer_where_wanting(wanting: _Wanting, finest: Decimated, coarse: Decimated, dense: Decimated) -> Decimated:
     """The coarse mesh with more vertices where it does not do; those of a `dense` mesh where it mixes sheets up."""
     source, weights = None, np.empty(0)
     for _ in range(REFININGS):
@@ -184,7 +175,7 @@ def _finer_where_wanting(
         if len(places) == 0:
             break
         if source is None:
-            source = dense() if mixed else finest
+            source = dense if mixed else finest
             weights = np.ones(len(source.points))
         weights[within_reach(source.points, places, reach)] *= DOUBLING
         wanted = len(coarse.points) + int(within_reach(coarse.points, places, reach).sum())
