@@ -35,7 +35,9 @@ def regular_ring(h, out, sizes, at, face_vertices, twin, first, faces, position,
     if faces[h] == 3:
         out[at + (3 + turn) % 6] = vertices + face_vertices[last]
         out[at + (4 + turn) % 6] = mirror_point(last, offset, face_vertices, mirrors, mirror_corners, used)
-        out[at + (5 + turn) % 6] = mirror_point(first[h], offset, face_vertices, mirrors, mirror_corners, used)
+        out[at + (5 + turn) % 6] = mirror_point(
+            np.int64(first[h]), offset, face_vertices, mirrors, mirror_corners, used
+        )
 
 
 @kernel

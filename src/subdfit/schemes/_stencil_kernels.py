@@ -128,7 +128,7 @@ def mask_rows(face_offsets, face_vertices, edge_vertices, sharpness, weights, ha
             v = edge_vertices[e, side]
             weight = along(weights, v, sharpness[e])
             if weight != 0.0:
-                ends[v] = add_entry(columns, values, room[v], ends[v], edge_vertices[e, 1 - side], weight)
+                ends[v] = add_entry(columns, values, room[v], ends[v], np.int64(edge_vertices[e, 1 - side]), weight)
     for f in range(faces):
         begin, stop = face_offsets[f], face_offsets[f + 1]
         for h in range(begin, stop):
@@ -136,7 +136,7 @@ def mask_rows(face_offsets, face_vertices, edge_vertices, sharpness, weights, ha
             if has_centroid[f] and weights[v, 2] != 0.0:
                 share = weights[v, 2] / (stop - begin)
                 for g in range(begin, stop):
-                    ends[v] = add_entry(columns, values, room[v], ends[v], face_vertices[g], share)
+                    ends[v] = add_entry(columns, values, room[v], ends[v], np.int64(face_vertices[g]), share)
     offsets = np.zeros(n + 1, np.int32)
     for v in range(n):
         begin, at = room[v], offsets[v]

@@ -177,7 +177,7 @@ def collect(
     top = 1
     while top > 0:
         top -= 1
-        node = int(stack_nodes[top])
+        node = np.int64(stack_nodes[top])
         if node >= 0:
             first_squared, second_squared = _boxes_squared(boxes, node, x, y, z)
             if second_squared <= radius * radius:

@@ -9,7 +9,7 @@ Reals = NDArray[np.float64]
 
 
 @kernel
-def heights(rises: Reals, triangle: NDArray[np.integer], uv: Reals, start: int, stop: int, out: Reals) -> None:
+def heights(rises: Reals, triangle: NDArray[np.int32], uv: Reals, start: int, stop: int, out: Reals) -> None:
     """Write ``4 |sum of b_i b_j rise_ij|`` at barycentric b into ``out[start:stop]``."""
     for k in range(start, stop):
         u, v, t = uv[k, 0], uv[k, 1], triangle[k]

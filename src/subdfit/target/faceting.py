@@ -52,8 +52,8 @@ def height(rise: Floats, triangle: NDArray[np.integer], uv: Floats) -> Floats:
     rise : (m, 3, 3) float64, `rises`.
     triangle : (k,) int, and uv (k, 2) float64: where the points lie, at barycentric (1 - u - v, u, v).
     """
-    found = np.empty(len(triangle))
-    map_chunks(lambda start, stop: kernels.heights(rise, triangle, uv, start, stop, found), len(triangle), CHUNK)
+    rows, uv, found = np.asarray(triangle, np.int32), np.ascontiguousarray(uv), np.empty(len(triangle))
+    map_chunks(lambda start, stop: kernels.heights(rise, rows, uv, start, stop, found), len(triangle), CHUNK)
     return found
 
 
