@@ -6,15 +6,32 @@ all control points move, and what the changes cost must sum to no more than ther
 """
 
 from collections.abc import Iterator
+from itertools import product
+from typing import Protocol
 
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
 from subdfit.fit.thinning_apart import Apart
-from subdfit.fit.thinning_changes import collapses, merges
-from subdfit.fit.thinning_hold import Hold
+from subdfit.fit.thinning_batches import Batches
+from subdfit.fit.thinning_changes import Change, collapses, merges
+from subdfit.fit.thinning_hold import Hold, Kept
 from subdfit.fit.thinning_queue import Find, Queue
 from subdfit.fit.thinning_together import Together
 from subdfit.mesh.polygon_edits import PolygonEdits
+
+
+class Way(Protocol):
+    """A way to try changes."""
+
+    @property
+    def patience(self) -> int:
+        """Trials in sequence from which nothing is kept, after which no more is tried."""
+
+    def chosen(self, state: FitState, edits: PolygonEdits, changes: list[Change]) -> list[Change]:
+        """Those of the changes, first ones first, that may be tried at once."""
+
+    def kept(self, state: FitState, changes: list[Change]) -> Kept | None:
+        """The fit with those of the changes that leave it within tolerance; None where none does."""
 
 
 class Thinning:
@@ -28,26 +45,29 @@ class Thinning:
 
     def __init__(self, settings: FitSettings) -> None:
         self._hold = Hold(settings)
-        self._trials = Together(self._hold) if settings.tolerance.max is None else Apart(self._hold)
+        mean = settings.tolerance.max is None
+        self._ways: tuple[Way, ...] = (Together(self._hold),) if mean else (Batches(self._hold), Apart(self._hold))
 
     def lighter(self, state: FitState) -> Iterator[FitState]:
         """Ever lighter fits, both sides of each within tolerance, from one whose data are."""
         state = self._hold.settled(state)
-        for find in (collapses,) if state.surface.scheme.faces == "triangles" else (collapses, merges):
-            for lighter in self._thinned(state, find):
+        kinds = (collapses,) if state.surface.scheme.faces == "triangles" else (collapses, merges)
+        for find, way in product(kinds, self._ways):
+            for lighter in self._thinned(state, find, way):
                 state = lighter
                 yield state
 
-    def _thinned(self, state: FitState, find: Find) -> Iterator[FitState]:
+    @staticmethod
+    def _thinned(state: FitState, find: Find, way: Way) -> Iterator[FitState]:
         """Ever lighter fits by changes of one kind, until several trials in sequence keep none."""
         queue, fruitless = Queue(find, state.surface.topology.vertex_count), 0
-        while fruitless < self._trials.patience:
+        while fruitless < way.patience:
             edits = PolygonEdits(state.surface.control_mesh)
-            changes = self._trials.chosen(state, edits, queue.cheapest(state.surface, edits))
+            changes = way.chosen(state, edits, queue.cheapest(state.surface, edits))
             if not changes:
                 break
             queue.tried(changes)
-            kept = self._trials.kept(state, changes)
+            kept = way.kept(state, changes)
             fruitless += 1
             if kept is not None:
                 queue.changed(kept.rows, kept.near)

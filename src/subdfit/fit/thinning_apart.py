@@ -11,10 +11,9 @@ from subdfit.fit.places import Places
 from subdfit.fit.regions import Region
 from subdfit.fit.reverse import even_samples, sparse_curve_samples, strays
 from subdfit.fit.state import FitState
-from subdfit.fit.stop import within
 from subdfit.fit.tangent import TangentSettings
 from subdfit.fit.thinning_changes import Change
-from subdfit.fit.thinning_hold import DAMPING, DRAWN, ENOUGH, GAIN, STEPS, Hold, Kept
+from subdfit.fit.thinning_hold import DAMPING, ENOUGH, GAIN, HOPELESS, STEPS, Hold, Kept, drawn
 from subdfit.limit.surface import LimitSurface
 from subdfit.measure import reverse_segments
 from subdfit.mesh.polygon_edits import PolygonEdits
@@ -23,10 +22,6 @@ from subdfit.mesh.topology import Topology
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Rows = NDArray[np.int64]
-
-HOPELESS = 6.0
-"""How many times what is asked the largest error is, before any step, of a change that no steps mend."""
-
 
 @dataclass(frozen=True, eq=False)
 class _Outcome:
@@ -84,16 +79,10 @@ class Apart:
         while most > 0:
             some = sorted(good[:most])
             found = _made(state, [changes[k] for k in some], [tried[k] for k in some])
-            if self._holds(found.state):
+            if self._hold.holds_elsewhere(found.state):
                 return found
             most //= 2
         return None
-
-    def _holds(self, state: FitState) -> bool:
-        """Whether both sides are within tolerance, the reverse one being known where no mask reaches farther."""
-        if state.surface.scheme.whole_curves:
-            return self._hold.holds(state)
-        return within(state, self._hold.tolerance)
 
 
 class _Trial:
@@ -109,10 +98,7 @@ class _Trial:
         mesh, self._rows = edits.frozen()
         free = hold.free(mesh.topology)
         self._moving = [flags[self._rows] & free for flags in self._near]
-        limits, masks = Places(before).vertices()[self._rows], before.scheme.limit_rows(mesh.topology)
-        points, moving = mesh.points.copy(), np.any(self._moving, axis=0)
-        for _ in range(DRAWN):
-            points[moving] += (limits - masks @ points)[moving]
+        points = drawn(mesh, before.scheme, Places(before).vertices()[self._rows], np.any(self._moving, axis=0))
         self._surface = LimitSurface(replace(mesh, points=points), before.scheme)
 
     def outcomes(self) -> list[_Outcome]:

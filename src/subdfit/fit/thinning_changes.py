@@ -81,6 +81,18 @@ class Polygons:
         return cls(edits, limits, np.add.reduceat(doubled, topology.face_offsets[:-1]))
 
 
+def disjoint(edits: PolygonEdits, changes: list[Change]) -> list[Change]:
+    """Those of the changes, first ones first, that have no vertex of their faces in common."""
+    taken: set[int] = set()
+    found = []
+    for change in changes:
+        near = change.near(edits)
+        if not near & taken:
+            taken |= near
+            found.append(change)
+    return found
+
+
 def collapses(polygons: Polygons, v: int, tried: Vertices) -> list[Change]:
     """The cheapest collapse of a vertex to one to which that was not tried, few in all."""
     if len(tried) >= TRIES:

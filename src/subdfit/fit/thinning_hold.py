@@ -5,15 +5,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from subdfit.fit.changes import cells_moved_by
 from subdfit.fit.descent import Descent, Part
 from subdfit.fit.held import boundary_vertices
-from subdfit.fit.reverse import reverse_badness, sparse_curve_samples, sparse_samples, strays
+from subdfit.fit.reverse import Samples, even_samples, reverse_badness, sparse_curve_samples, sparse_samples, strays
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import error_that_matters, within
 from subdfit.fit.tangent import TangentSettings
+from subdfit.measure import reverse_segments
+from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.mesh.topology import Topology
+from subdfit.schemes import Scheme
 
+Floats = NDArray[np.float64]
 Rows = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
@@ -26,8 +31,22 @@ DAMPING = 1e-2
 DRAWN = 20
 """Steps that draw the limit points of what is left to where they were; nothing is refined here, and little swings."""
 
+HOPELESS = 4.0
+"""How many times what is asked the largest error is, before any step, near a change that steps hardly ever mend."""
+
 SETTLING = 8
 """Rounds of steps in which both sides may come within tolerance."""
+
+
+def drawn(mesh: ControlMesh, scheme: Scheme, limits: Floats, moving: Flags) -> Floats:
+    """Control points, (n, 3), of which the flagged ones are moved so that their limit points come near `limits`.
+
+    Cheng et al. 2009, section 2.
+    """
+    points, masks = mesh.points.copy(), scheme.limit_rows(mesh.topology)
+    for _ in range(DRAWN):
+        points[moving] += (limits - masks @ points)[moving]
+    return points
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +87,10 @@ class Hold:
             return len(strays(state.surface, state.data.target, self.tolerance.max)) == 0
         return reverse_badness(state, self.tolerance) <= 1
 
+    def holds_elsewhere(self, state: FitState) -> bool:
+        """The same, where the surface is known to hold near what has changed, and no mask reaches farther."""
+        return self.holds(state) if state.surface.scheme.whole_curves else within(state, self.tolerance)
+
     def free(self, topology: Topology) -> Flags:
         """Control vertices that may move at all, (n,)."""
         if self._fixed_boundary:
@@ -76,10 +99,20 @@ class Hold:
 
     def moved(self, state: FitState) -> FitState:
         """All control points optimised, by some of the points."""
+        return self._moved(state, sparse_samples(state), self.free(state.surface.topology))
+
+    def moved_near(self, state: FitState, moving: Flags) -> FitState:
+        """The control points that are flagged, (n,), optimised by some of the points and many samples."""
+        segments = max(reverse_segments(state.surface.domain) // 2, 1)
+        cells = cells_moved_by(state.surface, moving)
+        samples = even_samples(state.surface, state.data.target, segments, cells)
+        return self._moved(state, samples, self.free(state.surface.topology) & moving)
+
+    def _moved(self, state: FitState, samples: Samples, free: Flags) -> FitState:
         some, rows = state.thinned(ENOUGH)
-        samples = sparse_samples(some).joined(strays(state.surface, state.data.target, self.bound / 2))
+        samples = samples.joined(strays(state.surface, state.data.target, self.bound / 2))
         curves = sparse_curve_samples(some, np.ones(state.surface.domain.face_count, np.bool_))
-        part = Part(some, samples, curves, self.free(state.surface.topology), STEPS, GAIN)
+        part = Part(some, samples, curves, free, STEPS, GAIN)
         return state.followed(Descent(TangentSettings(), self.bound, DAMPING).moved(part), rows)
 
     def settled(self, state: FitState) -> FitState:

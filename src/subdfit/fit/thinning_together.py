@@ -6,12 +6,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from subdfit.fit.adapt import drawn_near
 from subdfit.fit.changes import faces_at, ring
 from subdfit.fit.places import Places
 from subdfit.fit.state import FitState
-from subdfit.fit.thinning_changes import Change
-from subdfit.fit.thinning_hold import DRAWN, Hold, Kept
+from subdfit.fit.thinning_changes import Change, disjoint
+from subdfit.fit.thinning_hold import Hold, Kept, drawn
 from subdfit.limit.surface import LimitSurface
 from subdfit.mesh.polygon_edits import PolygonEdits
 
@@ -44,14 +43,7 @@ class Together:
 
     def chosen(self, state: FitState, edits: PolygonEdits, changes: list[Change]) -> list[Change]:
         """Those of the changes, first ones first, that may be made at once."""
-        taken: set[int] = set()
-        found = []
-        for change in changes:
-            near = change.near(edits)
-            if not near & taken:
-                taken |= near
-                found.append(change)
-        return found
+        return disjoint(edits, changes)
 
     def kept(self, state: FitState, changes: list[Change]) -> Kept | None:
         """The fit with as many of the changes as leave it within tolerance; None where none does."""
@@ -77,11 +69,11 @@ class Together:
         for change in changes:
             change.make(edits)
         mesh, rows = edits.frozen()
-        points = drawn_near(mesh, before.scheme, Places(before).vertices()[rows], DRAWN)
+        everything = np.ones(len(rows), np.bool_)
+        points = drawn(mesh, before.scheme, Places(before).vertices()[rows], everything)
         start = FitState.start(state.data, LimitSurface(replace(mesh, points=points), before.scheme))
         moved = self._hold.moved(start)
-        everything = np.ones(before.topology.vertex_count, np.bool_)
-        return _Trial(Kept(moved, rows, everything), self._loss(state, moved, near[:, rows]))
+        return _Trial(Kept(moved, rows, np.ones(before.topology.vertex_count, np.bool_)), self._loss(state, moved, near[:, rows]))
 
     def _loss(self, before: FitState, after: FitState, near: Flags) -> Floats:
         """What each change adds, from the faces with two corners and more `near` it, (changes, n).

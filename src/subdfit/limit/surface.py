@@ -47,13 +47,17 @@ class CompiledTopology:
     scheme: Scheme
     topology: Topology
     domain: Domain
-    table: PatchTable
 
     @classmethod
     def of(cls, scheme: Scheme, topology: Topology) -> "CompiledTopology":
-        """Compile; raises InputError where the scheme cannot take the topology."""
+        """The topology's faces; raises InputError where the scheme cannot take it."""
         scheme.validate(topology)
-        return cls(scheme, topology, scheme.domain(topology), scheme.patches(topology))
+        return cls(scheme, topology, scheme.domain(topology))
+
+    @cached_property
+    def table(self) -> PatchTable:
+        """Its patches, compiled when they are first asked for: some surfaces are only cut into regions."""
+        return self.scheme.patches(self.topology)
 
     @cached_property
     def local_matrix(self) -> sp.csr_array:
@@ -123,7 +127,7 @@ class LimitSurface:
         return other
 
     def with_domain(self, domain: Domain) -> "LimitSurface":
-        """Return the same surface, whose cells join as another domain says, without compiling it again."""
+        """Return the same surface, whose cells join as another domain says."""
         other = object.__new__(type(self))
         other._set(replace(self.compiled, domain=domain), self.control_mesh)
         return other
