@@ -1,7 +1,8 @@
 """Fewer control vertices and faces while the error stays within tolerance: edges collapsed, faces merged.
 
 Hoppe et al. 1994 try one collapse at a time and optimise round it. Here many are tried at once. A largest error holds
-or not near each change: they lie so far apart that each stands or falls by itself. A mean is a matter of the whole:
+or not near each change: large batches are made while most of their changes stand, then changes so far apart that each
+stands or falls by itself. A mean is a matter of the whole:
 all control points move, and what the changes cost must sum to no more than there is room for.
 """
 

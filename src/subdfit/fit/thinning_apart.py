@@ -23,6 +23,7 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Rows = NDArray[np.int64]
 
+
 @dataclass(frozen=True, eq=False)
 class _Outcome:
     """What came of a change.

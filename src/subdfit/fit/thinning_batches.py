@@ -1,4 +1,4 @@
-"""Trials of many changes of a control mesh at once, as long as most of them stand: of each batch what is to blame goes."""
+"""Trials of many changes of a control mesh at once, while most of them stand: what is to blame leaves the batch."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -14,13 +14,14 @@ from subdfit.fit.thinning_changes import Change, disjoint
 from subdfit.fit.thinning_hold import HOPELESS, Hold, Kept, drawn
 from subdfit.limit.surface import LimitSurface
 from subdfit.mesh.polygon_edits import PolygonEdits
-from subdfit.mesh.topology import Topology
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 LEAST = 0.5
-"""Share of a batch that must stand: else its changes are rather tried each by itself."""
+"""Share of a batch's promising changes that must stand: else they are rather tried each by itself."""
+MANY = 20
+"""Fewest changes of a batch: on small meshes trials apart keep as many in the same time."""
 
 
 class Batches:
@@ -40,11 +41,12 @@ class Batches:
         self._most = hold.tolerance.max or np.inf
 
     def chosen(self, state: FitState, edits: PolygonEdits, changes: list[Change]) -> list[Change]:
-        """Those of the changes, first ones first, that may be made at once."""
-        return disjoint(edits, changes)
+        """Those of the changes, first ones first, that may be made at once; none where these are few."""
+        found = disjoint(edits, changes)
+        return found if len(found) >= MANY else []
 
     def kept(self, state: FitState, changes: list[Change]) -> Kept | None:
-        """The fit with those of the changes that leave it within tolerance; None where fewer than half of them do."""
+        """The fit with those changes that leave it within tolerance; None where fewer than half do that promised to."""
         error = _Batch.of(self._hold, state, changes).changed_errors()
         left = np.flatnonzero(error <= HOPELESS * self._most)
         least = LEAST * len(left)
@@ -93,13 +95,16 @@ class _Batch:
 
     def moved(self, hold: Hold) -> "_Batch":
         """The same, optimised near the changes."""
-        return replace(self, kept=replace(self.kept, state=hold.moved_near(self.kept.state, self.near.any(axis=0))))
+        return replace(
+            self, kept=replace(self.kept, state=hold.moved_near(self.kept.state, np.asarray(self.near.any(axis=0))))
+        )
 
     @cached_property
     def _changed(self) -> Flags:
         """The faces that each change makes, (changes, f)."""
         t = self.kept.state.surface.topology
-        return np.asarray(np.add.reduceat(self.near[:, t.face_vertices].astype(np.int64), t.face_offsets[:-1], axis=1) >= 2)
+        near = self.near[:, t.face_vertices].astype(np.int64)
+        return np.asarray(np.add.reduceat(near, t.face_offsets[:-1], axis=1) >= 2)
 
     def changed_errors(self) -> Floats:
         """How far off the data are at most in the faces that each change makes, (changes,)."""
@@ -117,9 +122,9 @@ class _Batch:
         bad[Places(state.surface).face[stray]] = True
         moved = np.array([faces_at(t, ring(t, flags)) for flags in self.near])
         moved = moved[:, bad & moved.any(axis=0)]
-        blamed = (self._changed & bad).any(axis=1)
+        blamed = np.asarray((self._changed & bad).any(axis=1))
         blamed[np.argmax(np.where(moved, error[:, None], -1.0), axis=0)] = True
-        return np.asarray(blamed)
+        return blamed
 
     def _data_errors(self) -> Floats:
         """How far off data are at most in each face, and of its curves, (f,)."""

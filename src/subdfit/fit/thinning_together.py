@@ -73,7 +73,9 @@ class Together:
         points = drawn(mesh, before.scheme, Places(before).vertices()[rows], everything)
         start = FitState.start(state.data, LimitSurface(replace(mesh, points=points), before.scheme))
         moved = self._hold.moved(start)
-        return _Trial(Kept(moved, rows, np.ones(before.topology.vertex_count, np.bool_)), self._loss(state, moved, near[:, rows]))
+        return _Trial(
+            Kept(moved, rows, np.ones(before.topology.vertex_count, np.bool_)), self._loss(state, moved, near[:, rows])
+        )
 
     def _loss(self, before: FitState, after: FitState, near: Flags) -> Floats:
         """What each change adds, from the faces with two corners and more `near` it, (changes, n).
