@@ -13,7 +13,7 @@ from subdfit.fit.reverse import even_samples, sparse_curve_samples, strays
 from subdfit.fit.state import FitState
 from subdfit.fit.tangent import TangentSettings
 from subdfit.fit.thinning_changes import Change
-from subdfit.fit.thinning_hold import DAMPING, ENOUGH, GAIN, HOPELESS, STEPS, Hold, Kept, drawn
+from subdfit.fit.thinning_hold import DAMPING, ENOUGH, GAIN, STEPS, Hold, Kept, drawn
 from subdfit.limit.surface import LimitSurface
 from subdfit.measure import reverse_segments
 from subdfit.mesh.polygon_edits import PolygonEdits
@@ -22,6 +22,10 @@ from subdfit.mesh.topology import Topology
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Rows = NDArray[np.int64]
+
+
+HOPELESS = 6.0
+"""How many times what is asked the largest error is, before any step, of a change that no steps mend."""
 
 
 @dataclass(frozen=True, eq=False)

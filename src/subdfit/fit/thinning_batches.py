@@ -11,13 +11,15 @@ from subdfit.fit.places import Places
 from subdfit.fit.reverse import strays
 from subdfit.fit.state import FitState
 from subdfit.fit.thinning_changes import Change, disjoint
-from subdfit.fit.thinning_hold import HOPELESS, Hold, Kept, drawn
+from subdfit.fit.thinning_hold import Hold, Kept, drawn
 from subdfit.limit.surface import LimitSurface
 from subdfit.mesh.polygon_edits import PolygonEdits
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
+PROMISING = 4.0
+"""How many times what is asked the largest error near a change may be, before any step, if it is to be in a batch."""
 LEAST = 0.5
 """Share of a batch's promising changes that must stand: else they are rather tried each by itself."""
 MANY = 20
@@ -48,7 +50,7 @@ class Batches:
     def kept(self, state: FitState, changes: list[Change]) -> Kept | None:
         """The fit with those changes that leave it within tolerance; None where fewer than half do that promised to."""
         error = _Batch.of(self._hold, state, changes).changed_errors()
-        left = np.flatnonzero(error <= HOPELESS * self._most)
+        left = np.flatnonzero(error <= PROMISING * self._most)
         least = LEAST * len(left)
         while len(left) > least:
             batch = _Batch.of(self._hold, state, [changes[k] for k in left]).moved(self._hold)

@@ -31,9 +31,6 @@ DAMPING = 1e-2
 DRAWN = 20
 """Steps that draw the limit points of what is left to where they were; nothing is refined here, and little swings."""
 
-HOPELESS = 4.0
-"""How many times what is asked the largest error is, before any step, near a change that steps hardly ever mend."""
-
 SETTLING = 8
 """Rounds of steps in which both sides may come within tolerance."""
 
