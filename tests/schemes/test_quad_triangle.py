@@ -217,11 +217,10 @@ def test_strip_matrices_keep_constants_to_the_last_digit():
 
 def with_strips(surface, **changes):
     table = surface.compiled.table
+    compiled = replace(surface.compiled)
+    vars(compiled)["table"] = replace(table, strips=table.strips._replace(**changes))
     other = object.__new__(LimitSurface)
-    other._set(
-        replace(surface.compiled, table=replace(table, strips=table.strips._replace(**changes))),
-        surface.control_mesh,
-    )
+    other._set(compiled, surface.control_mesh)
     return other
 
 
