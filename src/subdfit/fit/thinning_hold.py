@@ -73,7 +73,8 @@ class Hold:
 
     def __init__(self, settings: FitSettings) -> None:
         self.tolerance = settings.tolerance
-        self.bound = error_that_matters(settings.tolerance)
+        # Between the data only the largest error counts, where one is asked.
+        self.bound = settings.tolerance.max or error_that_matters(settings.tolerance)
         self._fixed_boundary = settings.fixed_boundary
 
     def holds(self, state: FitState) -> bool:
