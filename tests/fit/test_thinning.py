@@ -11,31 +11,60 @@ from subdfit.fit.reverse import strays
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
 from subdfit.fit.thinning import Thinning
+from subdfit.fit.thinning_batches import MANY, Batches
+from subdfit.fit.thinning_changes import collapses
+from subdfit.fit.thinning_hold import Hold
+from subdfit.fit.thinning_queue import Queue
 from subdfit.limit.surface import LimitSurface
 from subdfit.measure import Tolerance
 from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.mesh.polygon_edits import PolygonEdits
 from subdfit.target.frame import Frame
 from subdfit.target.target import mesh_target
+
+
+def icosahedral(scheme: str, level: int, settings: FitSettings) -> FitState:
+    """The surface of an icosahedron's twelve vertices by a control mesh refined `level` times, and points on it."""
+    coarse = ControlMesh(mesh_of("icosahedron").topology, mesh_of("icosahedron").points, scheme)
+    refined = subdfit.subdivide(coarse, level)
+    dense = subdfit.subdivide(coarse, level + 2, limit=True)
+    target = mesh_target(dense.points, dense.topology.triangles, creases="none")
+    frame = Frame.of(target.points)
+    data = FitData.of(target.normalised(frame), settings.sample_spacing)
+    mesh = ControlMesh(refined.topology, frame.inside(refined.points), scheme)
+    return FitState.start(data, LimitSurface(mesh, scheme))
 
 
 @pytest.mark.parametrize("scheme", ["loop", "quad-triangle"])
 def test_a_refined_control_mesh_becomes_nearly_as_light_as_it_was(scheme: str) -> None:
     """The surface of an icosahedron's twelve vertices, from the 42 of one step of subdivision."""
-    coarse = ControlMesh(mesh_of("icosahedron").topology, mesh_of("icosahedron").points, scheme)
-    refined = subdfit.subdivide(coarse, 1)
-    dense = subdfit.subdivide(coarse, 3, limit=True)
-    target = mesh_target(dense.points, dense.topology.triangles, creases="none")
-    frame = Frame.of(target.points)
     settings = FitSettings(scheme=scheme, tolerance=Tolerance(max=5e-3))
-    data = FitData.of(target.normalised(frame), settings.sample_spacing)
-    mesh = ControlMesh(refined.topology, frame.inside(refined.points), scheme)
-    found = list(Thinning(settings).lighter(FitState.start(data, LimitSurface(mesh, scheme))))
+    begun = icosahedral(scheme, 1, settings)
+    found = list(Thinning(settings).lighter(begun))
     counts = [state.surface.topology.vertex_count for state in found]
     assert counts == sorted(counts, reverse=True)
     assert counts[-1] <= 24
     assert all(state.errors.max <= 5e-3 for state in found)
     # Each change was looked at on its own part alone; the whole holds all the same.
-    assert all(len(strays(state.surface, data.target, 5e-3)) == 0 for state in found)
+    assert all(len(strays(state.surface, begun.data.target, 5e-3)) == 0 for state in found)
+
+
+@pytest.mark.parametrize("scheme", ["loop", "quad-triangle"])
+def test_many_changes_stand_or_are_blamed_together(scheme: str) -> None:
+    for bound, some_stand in ((5e-3, True), (1e-9, False)):
+        settings = FitSettings(scheme=scheme, tolerance=Tolerance(max=bound))
+        state = icosahedral(scheme, 3, settings)
+        way, edits = Batches(Hold(settings)), PolygonEdits(state.surface.control_mesh)
+        count = state.surface.topology.vertex_count
+        changes = way.chosen(state, edits, Queue(collapses, count).cheapest(state.surface, edits))
+        assert len(changes) >= MANY
+        kept = way.kept(state, changes)
+        assert (kept is not None) == some_stand
+        if kept is not None:
+            left = kept.state.surface.topology.vertex_count
+            assert count - len(changes) <= left <= count - len(changes) / 2
+            assert kept.state.errors.max <= bound
+            assert len(strays(kept.state.surface, state.data.target, bound)) == 0
 
 
 def test_a_lighter_fit_is_certified_like_any_other() -> None:

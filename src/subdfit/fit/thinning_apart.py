@@ -23,7 +23,6 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Rows = NDArray[np.int64]
 
-
 HOPELESS = 6.0
 """How many times what is asked the largest error is, before any step, of a change that no steps mend."""
 

@@ -10,7 +10,7 @@ from subdfit.fit.changes import faces_at, ring
 from subdfit.fit.places import Places
 from subdfit.fit.reverse import strays
 from subdfit.fit.state import FitState
-from subdfit.fit.thinning_changes import Change, disjoint
+from subdfit.fit.thinning_changes import Change, disjoint, faces_made, made
 from subdfit.fit.thinning_hold import Hold, Kept, drawn
 from subdfit.limit.surface import LimitSurface
 from subdfit.mesh.polygon_edits import PolygonEdits
@@ -77,14 +77,8 @@ class _Batch:
     @classmethod
     def of(cls, hold: Hold, state: FitState, changes: list[Change]) -> "_Batch":
         """The changes made, and nothing moved but what draws the surface near where it was."""
-        before, edits = state.surface, PolygonEdits(state.surface.control_mesh)
-        near = np.zeros((len(changes), before.topology.vertex_count), np.bool_)
-        for flags, change in zip(near, changes, strict=True):
-            flags[sorted(change.near(edits))] = True
-        for change in changes:
-            change.make(edits)
-        mesh, rows = edits.frozen()
-        near = near[:, rows]
+        before = state.surface
+        mesh, rows, near = made(before, changes)
         moving = near.any(axis=0) & hold.free(mesh.topology)
         points = drawn(mesh, before.scheme, Places(before).vertices()[rows], moving)
         surface = LimitSurface(replace(mesh, points=points), before.scheme)
@@ -104,9 +98,7 @@ class _Batch:
     @cached_property
     def _changed(self) -> Flags:
         """The faces that each change makes, (changes, f)."""
-        t = self.kept.state.surface.topology
-        near = self.near[:, t.face_vertices].astype(np.int64)
-        return np.asarray(np.add.reduceat(near, t.face_offsets[:-1], axis=1) >= 2)
+        return faces_made(self.kept.state.surface.topology, self.near)
 
     def changed_errors(self) -> Floats:
         """How far off the data are at most in the faces that each change makes, (changes,)."""

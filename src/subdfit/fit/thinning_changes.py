@@ -6,10 +6,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from subdfit.limit.surface import LimitSurface
+from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.mesh.polygon_edits import PolygonEdits, sides
 from subdfit.mesh.topology import Topology
 
 Floats = NDArray[np.float64]
+Rows = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 Vertices = set[int]
 
 TRIES = 2
@@ -91,6 +95,24 @@ def disjoint(edits: PolygonEdits, changes: list[Change]) -> list[Change]:
             taken |= near
             found.append(change)
     return found
+
+
+def made(surface: LimitSurface, changes: list[Change]) -> tuple[ControlMesh, Rows, Flags]:
+    """The control mesh with some changes, rows of its vertices before, (n,), and which are near each, (changes, n)."""
+    edits = PolygonEdits(surface.control_mesh)
+    near = np.zeros((len(changes), surface.topology.vertex_count), np.bool_)
+    for flags, change in zip(near, changes, strict=True):
+        flags[sorted(change.near(edits))] = True
+    for change in changes:
+        change.make(edits)
+    mesh, rows = edits.frozen()
+    return mesh, rows, near[:, rows]
+
+
+def faces_made(topology: Topology, near: Flags) -> Flags:
+    """The faces that changes make, (changes, f): those with two corners and more near each, (changes, n)."""
+    corners = near[:, topology.face_vertices].astype(np.int64)
+    return np.asarray(np.add.reduceat(corners, topology.face_offsets[:-1], axis=1) >= 2)
 
 
 def collapses(polygons: Polygons, v: int, tried: Vertices) -> list[Change]:

@@ -1,6 +1,5 @@
 """Trials of changes of a control mesh that all control points move to make up for: the error is spread."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,7 +8,7 @@ from numpy.typing import NDArray
 from subdfit.fit.changes import faces_at, ring
 from subdfit.fit.places import Places
 from subdfit.fit.state import FitState
-from subdfit.fit.thinning_changes import Change, disjoint
+from subdfit.fit.thinning_changes import Change, disjoint, faces_made, made
 from subdfit.fit.thinning_hold import Hold, Kept, drawn
 from subdfit.limit.surface import LimitSurface
 from subdfit.mesh.polygon_edits import PolygonEdits
@@ -61,20 +60,15 @@ class Together:
         most = fit if fit < len(order) else len(order) // 2
         return [changes[k] for k in sorted(order[:most])]
 
-    def _trial(self, state: FitState, changes: Sequence[Change]) -> _Trial:
-        edits, before = PolygonEdits(state.surface.control_mesh), state.surface
-        near = np.zeros((len(changes), before.topology.vertex_count), np.bool_)
-        for flags, change in zip(near, changes, strict=True):
-            flags[sorted(change.near(edits))] = True
-        for change in changes:
-            change.make(edits)
-        mesh, rows = edits.frozen()
+    def _trial(self, state: FitState, changes: list[Change]) -> _Trial:
+        before = state.surface
+        mesh, rows, near = made(before, changes)
         everything = np.ones(len(rows), np.bool_)
         points = drawn(mesh, before.scheme, Places(before).vertices()[rows], everything)
         start = FitState.start(state.data, LimitSurface(replace(mesh, points=points), before.scheme))
         moved = self._hold.moved(start)
         return _Trial(
-            Kept(moved, rows, np.ones(before.topology.vertex_count, np.bool_)), self._loss(state, moved, near[:, rows])
+            Kept(moved, rows, np.ones(before.topology.vertex_count, np.bool_)), self._loss(state, moved, near)
         )
 
     def _loss(self, before: FitState, after: FitState, near: Flags) -> Floats:
@@ -83,7 +77,7 @@ class Together:
         Faces that lie so near none are those of all that moved them.
         """
         t, places, power = after.surface.topology, Places(after.surface), self._hold.power
-        hit = np.add.reduceat(near[:, t.face_vertices].astype(np.int64), t.face_offsets[:-1], axis=1) >= 2
+        hit = faces_made(t, near)
         around = np.array([faces_at(t, ring(t, flags)) for flags in near]).reshape(hit.shape)
         hit |= around & ~hit.any(axis=0)
         vertices = slice(0, after.data.vertices)

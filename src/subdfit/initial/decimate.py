@@ -81,18 +81,17 @@ class _Queue(NamedTuple):
     highest: NDArray[np.float64]
 
     @classmethod
-    def of(cls, mesh: _Mesh, quadrics: NDArray[np.float64], subset: bool) -> "_Queue":
+    def of(cls, m: _Mesh, quadrics: NDArray[np.float64], subset: bool) -> "_Queue":
         """The queue of all edges of a mesh."""
-        room = len(mesh.vertices)
+        room = len(m.vertices)
         queue = cls(
             np.empty((2, room)),
             np.empty((2, room), np.int32),
             np.zeros(2, np.int64),
             np.zeros(room, np.int8),
-            np.zeros(len(mesh.points), np.int32),
+            np.zeros(len(m.points), np.int32),
             np.array([-1.0]),
         )
-        m = mesh
         queue_edges(m.points, quadrics, m.vertices, m.twin, m.mark, m.valence, m.kind, subset, *queue[:4])
         return queue
 
