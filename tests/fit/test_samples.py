@@ -11,7 +11,7 @@ from subdfit.fit.auto import Auto
 from subdfit.fit.changes import cells_moved_by, changed_cells
 from subdfit.fit.data import FitData
 from subdfit.fit.regions import regions
-from subdfit.fit.reverse import CurveSamples, Samples, even_samples, inner_samples, strays
+from subdfit.fit.reverse import DRAWN, CurveSamples, Samples, even_samples, inner_samples, strays
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.spots import Spot
 from subdfit.fit.state import FOOTPOINT_TOLERANCE, FitState
@@ -178,7 +178,7 @@ def test_strays_are_carried_where_nothing_changed(state: FitState) -> None:
     points = state.surface.control_mesh.points.copy()
     points[20] *= 1.02
     moved = state.moved(points)
-    carried, anew = watch.samples(moved), strays(moved.surface, state.data.target, 0.5e-3)
+    carried, anew = watch.samples(moved), strays(moved.surface, state.data.target, 1e-3, share=DRAWN)
     changed = changed_cells(state.surface, moved.surface)
     kept, old = carried.face[~changed[carried.face]], before.face[~changed[before.face]]
     assert np.array_equal(kept[: len(old)], old)

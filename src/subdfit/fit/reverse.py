@@ -10,7 +10,7 @@ from subdfit.fit.places import Places
 from subdfit.fit.state import FitState
 from subdfit.limit.surface import LimitSurface
 from subdfit.limit.tessellate import lattice
-from subdfit.measure import Tolerance, peaks, reverse_segments, surface_samples
+from subdfit.measure import PEAK, Tolerance, peaks, reverse_segments, surface_samples
 from subdfit.schemes.domain import CORNERS
 from subdfit.target.bvh import SegmentTree
 from subdfit.target.target import Target
@@ -23,8 +23,8 @@ SPARSE = 3
 TOUCHING = 1e-9
 """A sample this near its foot has no direction in which it is off."""
 
-LOW = 2
-"""Peaks are searched from samples that are at least so many times less far off than a stray."""
+DRAWN = 0.5
+"""Samples are held from this share of what they may be off on: they would be off by more when others are drawn back."""
 CURVE_PLACES = np.array([0.25, 0.5, 0.75])
 """Where along a side its curve is sampled."""
 
@@ -56,15 +56,14 @@ class Samples:
         uv: Floats,
         bound: float | None = None,
         near: NDArray[np.int32] | None = None,
-        position: Floats | None = None,
     ) -> "Samples":
         """Find the feet of samples, only of those farther off than `bound` where that is given; a cloud has none.
 
-        `near` (k,) names a triangle likely to be near each; `position` (k, 3) is where they are, if that is known.
+        `near` (k,) names a triangle likely to be near each.
         """
         if not target.is_mesh or len(face) == 0:
             return cls.none()
-        position = surface.evaluate(face, uv).position if position is None else position
+        position = surface.evaluate(face, uv).position
         # Samples within the bound are dropped: they need not know what lies nearest.
         found = target.tree.closest(position, start=near, enough=bound or 0.0)
         gap = found.distance - target.allowance(position, found)
@@ -103,24 +102,35 @@ class Samples:
 
 
 def strays(
-    surface: LimitSurface, target: Target, bound: float, cells: Flags | None = None, segments: int = 0
+    surface: LimitSurface,
+    target: Target,
+    bound: float,
+    cells: Flags | None = None,
+    segments: int = 0,
+    share: float = 1.0,
 ) -> Samples:
-    """Those of the certificate's samples that lie off by more than `bound` and the faceting there, and peaks between.
+    """Those of the certificate's samples, and of the peaks between them, that stray: lie off by more than `bound`.
 
-    Where `cells` (c,) are flagged, those of these alone; `segments` a small cell's side, where given. Of a large cell's
-    many samples the farthest stands for those near it, so that they do not outvote the data.
+    That is beyond what the faceting allows there; or by more than a `share` of the bound, peaks below it only as near
+    as they happen to be found. Where `cells` (c,) are flagged, those of these alone; `segments` a small
+    cell's side, where given. Of a large cell's many samples the farthest stands for those near it, so that they do not
+    outvote the data.
     """
+    if not target.is_mesh:
+        return Samples.none()
     segments = segments or reverse_segments(surface.domain)
     sampled = surface_samples(surface, cells, segments)
-    found = Samples.of(surface, target, sampled.face, sampled.uv, bound / LOW, position=sampled.position)
-    near = found.triangle
+    found = target.tree.closest(sampled.position, enough=PEAK * bound)
+    near, gap = found.triangle, found.distance - target.allowance(sampled.position, found)
 
     def gap_at(places: Floats, rows: NDArray[np.int64]) -> Floats:
         return target.gaps(places, near[rows])
 
-    tops = peaks(surface, found.face, found.uv, found.gap, gap_at, bound, segments)
-    found = found[found.gap > bound].joined(Samples.of(surface, target, *tops, bound))
-    return found[_farthest(found, segments)]
+    tops = peaks(surface, sampled, gap, gap_at, bound)
+    far = np.flatnonzero(gap > share * bound)
+    face, uv = np.concatenate([sampled.face[far], tops.face]), np.concatenate([sampled.uv[far], tops.uv])
+    samples = Samples.of(surface, target, face, uv, share * bound, near[np.concatenate([far, tops.row])])
+    return samples[_farthest(samples, segments)]
 
 
 def _farthest(samples: Samples, segments: int) -> NDArray[np.int64]:

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from subdfit.fit.aim import AimedSamples
 from subdfit.fit.descent import Descent, Part
 from subdfit.fit.regions import Region, Rows, regions
-from subdfit.fit.reverse import even_samples, sparse_curve_samples, strays
+from subdfit.fit.reverse import DRAWN, even_samples, sparse_curve_samples, strays
 from subdfit.fit.state import FitState
 from subdfit.fit.system import smoothed
 from subdfit.fit.tangent import TangentSettings
@@ -51,20 +52,31 @@ class Spot:
     def moved(self, insistence: float) -> Floats:
         """Control points, (n, 3), after steps that draw samples by so many times their weight.
 
-        Where the surface has crumpled to meet the data, no pull smooths it: it begins anew, smooth, to be refined.
+        Where it strays all the same, samples are aimed at what faces like the surface. Where that has crumpled to meet
+        the data, no pull smooths it: it begins anew, smooth, to be refined.
         """
         found = self._settled(self.state, insistence)
-        if insistence > PERSISTENT and found.excess.max(initial=0.0) <= self.bound < self._strayed(found):
+        if self._strays_alone(found):
+            aimed = self._settled(self.state, insistence, aimed=True)
+            better = aimed.excess.max(initial=0.0) <= self.bound and self._strayed(aimed) < self._strayed(found)
+            found = aimed if better else found
+        if insistence > PERSISTENT and self._strays_alone(found):
             mesh = self.state.surface.control_mesh
             anew = self.state.surface.with_points(smoothed(mesh, self.moving))
             smooth = self._settled(FitState.start(self.state.data, anew), insistence)
             found = smooth if self._strayed(smooth) <= self.bound else found
         return found.surface.control_mesh.points
 
-    def _settled(self, state: FitState, insistence: float) -> FitState:
+    def _strays_alone(self, state: FitState) -> bool:
+        """Whether the points are within the bound, but not the surface between them."""
+        return bool(state.excess.max(initial=0.0) <= self.bound < self._strayed(state))
+
+    def _settled(self, state: FitState, insistence: float, aimed: bool = False) -> FitState:
         samples = even_samples(state.surface, state.data.target, self.segments, self.inner).joined(
-            strays(state.surface, state.data.target, self.bound / 2, self.inner, self.segments)
+            strays(state.surface, state.data.target, self.bound, self.inner, self.segments, DRAWN)
         )
+        if aimed:
+            samples = AimedSamples.aim(samples, state.surface, state.data.target)
         part = Part(state, samples, sparse_curve_samples(state, self.inner), self.moving, STEPS, GAIN)
         return Descent(self.weights, self.bound, DAMPING).moved(part, insistence)
 

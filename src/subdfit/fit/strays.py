@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from subdfit.fit.changes import changed_cells
 from subdfit.fit.faults import large_enough
 from subdfit.fit.places import Places
-from subdfit.fit.reverse import Samples, even_samples, strays
+from subdfit.fit.reverse import DRAWN, Samples, even_samples, strays
 from subdfit.fit.state import FitState
 from subdfit.limit.surface import LimitSurface
 from subdfit.measure import reverse_segments
@@ -58,17 +58,17 @@ class Strays:
         surface = state.surface
         if self.bound is None:
             return Samples.none()
-        return even_samples(surface, state.data.target, reverse_segments(surface.domain), bound=self.bound / 2)
+        return even_samples(surface, state.data.target, reverse_segments(surface.domain), bound=DRAWN * self.bound)
 
     def _found(self, state: FitState) -> Samples:
-        surface, bound = state.surface, (self.bound or np.inf) / 2
+        surface, bound = state.surface, self.bound or np.inf
         if self._seen is None or not _sampled_alike(self._seen[0], surface):
-            return strays(surface, state.data.target, bound)
+            return strays(surface, state.data.target, bound, share=DRAWN)
         before, found = self._seen
         changed = changed_cells(before, surface)
         if changed.all():
-            return strays(surface, state.data.target, bound)
-        return found[~changed[found.face]].joined(strays(surface, state.data.target, bound, changed))
+            return strays(surface, state.data.target, bound, share=DRAWN)
+        return found[~changed[found.face]].joined(strays(surface, state.data.target, bound, changed, share=DRAWN))
 
     def worst(self, state: FitState) -> float:
         """How far a sample strays at most, in bounds."""

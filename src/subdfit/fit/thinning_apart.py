@@ -9,7 +9,7 @@ from subdfit.fit.changes import faces_at, ring
 from subdfit.fit.descent import Descent, Part
 from subdfit.fit.places import Places
 from subdfit.fit.regions import Region
-from subdfit.fit.reverse import even_samples, sparse_curve_samples, strays
+from subdfit.fit.reverse import DRAWN, even_samples, sparse_curve_samples, strays
 from subdfit.fit.state import FitState
 from subdfit.fit.tangent import TangentSettings
 from subdfit.fit.thinning_changes import Change
@@ -127,7 +127,7 @@ class _Trial:
         surface, target, segments = state.surface, state.data.target, reverse_segments(self._state.surface.domain)
         some, rows = state.thinned(ENOUGH)
         samples = even_samples(surface, target, segments, inner)
-        samples = samples.joined(strays(surface, target, self._hold.bound / 2, inner, segments))
+        samples = samples.joined(strays(surface, target, self._hold.bound, inner, segments, DRAWN))
         part = Part(some, samples, sparse_curve_samples(some, inner), free, STEPS, GAIN)
         return state.followed(Descent(TangentSettings(), self._hold.bound, DAMPING).moved(part), rows)
 

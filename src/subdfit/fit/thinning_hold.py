@@ -8,7 +8,15 @@ from numpy.typing import NDArray
 from subdfit.fit.changes import cells_moved_by
 from subdfit.fit.descent import Descent, Part
 from subdfit.fit.held import boundary_vertices
-from subdfit.fit.reverse import Samples, even_samples, reverse_badness, sparse_curve_samples, sparse_samples, strays
+from subdfit.fit.reverse import (
+    DRAWN,
+    Samples,
+    even_samples,
+    reverse_badness,
+    sparse_curve_samples,
+    sparse_samples,
+    strays,
+)
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import error_that_matters, within
@@ -28,7 +36,7 @@ STEPS, GAIN = 4, 0.98
 """Most steps, which end when one leaves more than this share of the energy."""
 DAMPING = 1e-2
 """Their first damping: large faces leave directions in which little holds their vertices."""
-DRAWN = 20
+REDRAWN = 20
 """Steps that draw the limit points of what is left to where they were; nothing is refined here, and little swings."""
 
 SETTLING = 8
@@ -41,7 +49,7 @@ def drawn(mesh: ControlMesh, scheme: Scheme, limits: Floats, moving: Flags) -> F
     Cheng et al. 2009, section 2.
     """
     points, masks = mesh.points.copy(), scheme.limit_rows(mesh.topology)
-    for _ in range(DRAWN):
+    for _ in range(REDRAWN):
         points[moving] += (limits - masks @ points)[moving]
     return points
 
@@ -108,7 +116,7 @@ class Hold:
 
     def _moved(self, state: FitState, samples: Samples, free: Flags) -> FitState:
         some, rows = state.thinned(ENOUGH)
-        samples = samples.joined(strays(state.surface, state.data.target, self.bound / 2))
+        samples = samples.joined(strays(state.surface, state.data.target, self.bound, share=DRAWN))
         curves = sparse_curve_samples(some, np.ones(state.surface.domain.face_count, np.bool_))
         part = Part(some, samples, curves, free, STEPS, GAIN)
         return state.followed(Descent(TangentSettings(), self.bound, DAMPING).moved(part), rows)

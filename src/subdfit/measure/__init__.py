@@ -2,9 +2,11 @@
 
 from subdfit.measure.certificate import CurveErrors, Measurement, Tolerance, measure
 from subdfit.measure.outliers import Outliers, far_points, outliers
-from subdfit.measure.samples import peaks, reverse_segments, surface_samples
+from subdfit.measure.peaks import PEAK, peaks
+from subdfit.measure.samples import reverse_segments, surface_samples
 
 __all__ = [
+    "PEAK",
     "CurveErrors",
     "Measurement",
     "Outliers",

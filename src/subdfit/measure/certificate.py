@@ -4,6 +4,7 @@ Every number is found afresh: footpoints of all data points by a global search t
 the reverse side from samples of the surface, curves apart.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -15,15 +16,13 @@ from subdfit.closest.projection import Projection, Projector
 from subdfit.limit.surface import LimitSurface
 from subdfit.measure.facing import MOST_AWAY, share_facing_away
 from subdfit.measure.outliers import NO_OUTLIERS, Outliers, outliers
-from subdfit.measure.samples import peaks, surface_samples
+from subdfit.measure.peaks import peaks
+from subdfit.measure.samples import SurfaceSamples, surface_samples
 from subdfit.target.sampling import face_samples
 from subdfit.target.target import Target
 
 Floats = NDArray[np.float64]
-
-
-PEAK = 0.25
-"""Peaks are searched in cells with samples that are as far off as this share of the farthest."""
+Rows = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -184,22 +183,26 @@ def _reverse(surface: LimitSurface, target: Target) -> _Reverse:
         return _Reverse(distance, np.zeros(len(distance)), float(distance.max()), float(distance.max()), 0.0)
     found = target.tree.closest(samples.position)
     allowance = target.allowance(samples.position, found)
-    gap = found.distance - allowance
-    high = np.flatnonzero(gap >= PEAK * gap.max())
-    near = found.triangle[high]
-    face, uv = peaks(
-        surface,
-        samples.face[high],
-        samples.uv[high],
-        gap[high],
-        lambda places, rows: target.gaps(places, near[rows]),
-        gap.max(),
-    )
-    tops = surface.evaluate(face, uv).position
-    farthest = max(found.distance.max(), target.tree.closest(tops).distance.max())
-    excess = max(gap.max(), target.gaps(tops).max())
+    near = found.triangle
+
+    def distance_at(places: Floats, rows: Rows) -> Floats:
+        return target.tree.closest(places, start=near[rows]).distance
+
+    def gap_at(places: Floats, rows: Rows) -> Floats:
+        return target.gaps(places, near[rows])
+
+    farthest = _highest(surface, samples, found.distance, distance_at)
+    excess = _highest(surface, samples, found.distance - allowance, gap_at)
     away = share_facing_away(samples.position, samples.triangles, target, found.triangle)
-    return _Reverse(found.distance, allowance, float(farthest), float(excess), away)
+    return _Reverse(found.distance, allowance, max(farthest, excess), excess, away)
+
+
+def _highest(
+    surface: LimitSurface, samples: SurfaceSamples, value: Floats, at: Callable[[Floats, Rows], Floats]
+) -> float:
+    """The largest value of samples, (n,), and of the peaks between them."""
+    most = float(value.max())
+    return float(peaks(surface, samples, value, at, most).gap.max(initial=most))
 
 
 def _samples_excess(projector: Projector, target: Target, spacing: float) -> float:

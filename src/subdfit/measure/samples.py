@@ -1,10 +1,5 @@
-"""Samples of a limit surface, from which the reverse side is measured, and the peaks between them.
+"""Samples of a limit surface, from which the reverse side is measured: all cells alike, but large ones more finely."""
 
-All cells are sampled alike, but large ones more finely. From the farthest sample of a cell a search goes on to where
-the surface is farthest off: near extraordinary vertices and creases it may bulge in a small part of a cell.
-"""
-
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +12,6 @@ from subdfit.schemes.domain import QUAD, TRIANGLE, Domain
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Rows = NDArray[np.int64]
-Grid = tuple[NDArray[np.int32], Floats, NDArray[np.int32]]
 
 SAMPLES, MOST_SAMPLES, MANY_SAMPLES = 16, 64, 200_000
 """Samples of the surface a control vertex, at least; as many as the second where that does not make more in all than
@@ -31,9 +25,27 @@ and about so many samples in all: between few data large cells bulge, and the bu
 STEPS = np.array([1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64])
 """The factors that are used: cells that are cut alike are sampled together."""
 
-ROUNDS = 6
-"""So often a search for a peak halves its step, which is at first that from sample to sample."""
-AROUND = np.array([(i, j) for i in (-1.0, 0.0, 1.0) for j in (-1.0, 0.0, 1.0) if i or j])
+
+class Block(NamedTuple):
+    """Cells of one shape that are cut alike.
+
+    Attributes
+    ----------
+    cells, first : (c,) int64, and the first of each cell's rows of triangles, which are in the order of `cut`.
+    shape, segments : of each cell, and parts of each of its sides.
+    """
+
+    cells: Rows
+    first: Rows
+    shape: int
+    segments: int
+
+    def nodes(self, triangles: NDArray[np.int32]) -> NDArray[np.int32]:
+        """The vertices at each cell's `grid_nodes`, (c, k), those on its sides, which other cells share, as well."""
+        cuts = cut(self.shape, self.segments)
+        corners = triangles[self.first[:, None] + np.arange(len(cuts))].reshape(len(self.cells), cuts.size)
+        _, once = np.unique(cuts, return_index=True)
+        return np.asarray(corners[:, once])
 
 
 class SurfaceSamples(NamedTuple):
@@ -43,12 +55,14 @@ class SurfaceSamples(NamedTuple):
     ----------
     face, uv, position : (n,) int32, (n, 2) and (n, 3).
     triangles : (t, 3) int32.
+    blocks : all cells with samples, by how they are cut.
     """
 
     face: NDArray[np.int32]
     uv: Floats
     position: Floats
     triangles: NDArray[np.int32]
+    blocks: tuple[Block, ...]
 
 
 def surface_samples(surface: LimitSurface, some: Flags | None = None, segments: int = 0) -> SurfaceSamples:
@@ -70,68 +84,23 @@ def surface_samples(surface: LimitSurface, some: Flags | None = None, segments: 
     position = surface.evaluate(grid.face, grid.uv).position
     times = _times(position, grid, segments)
     if times.max(initial=1) == 1:
-        return SurfaceSamples(grid.face, grid.uv, position, grid.triangles)
-    factors = np.unique(times[times > 1])
-    large = [_cut_apart(domain, segments * n, np.flatnonzero(wanted & (times == n))) for n in factors]
-    face, uv, triangles = _joined([lattice(domain, segments, wanted & (times == 1))[:3], *large])
-    return SurfaceSamples(face, uv, surface.evaluate(face, uv).position, triangles)
+        return SurfaceSamples(grid.face, grid.uv, position, grid.triangles, _blocks(domain, segments, wanted, grid))
+    small = wanted & (times == 1)
+    grid = lattice(domain, segments, small)
+    cuts = [_Cut(grid.face, grid.uv, grid.triangles, _blocks(domain, segments, small, grid))]
+    for factor in np.unique(times[times > 1]):
+        for shape in (TRIANGLE, QUAD):
+            cells = np.flatnonzero(wanted & (times == factor) & (domain.shape == shape))
+            cuts.append(_cut_apart(cells, shape, int(segments * factor)))
+    face, uv, triangles, blocks = _joined(cuts)
+    return SurfaceSamples(face, uv, surface.evaluate(face, uv).position, triangles, blocks)
 
 
-def peaks(
-    surface: LimitSurface,
-    face: NDArray[np.int32],
-    uv: Floats,
-    gap: Floats,
-    gap_at: Callable[[Floats, Rows], Floats],
-    least: float,
-    segments: int = 0,
-) -> tuple[NDArray[np.int32], Floats]:
-    """Where the cells of some samples are farthest off the target, as a search from the farthest sample of each finds.
-
-    Parameters
-    ----------
-    surface
-        The limit surface.
-    face, uv, gap
-        Samples, (n,), (n, 2), and how far off they are, (n,).
-    gap_at
-        How far off positions are, (k, 3) and the rows of the samples from which they came to (k,).
-    least
-        How far off a peak must be to matter: where none so far can be expected the search ends.
-    segments
-        The samples' segments a cell's side where cells are small; 0 takes `reverse_segments`.
-
-    Returns
-    -------
-    Cells and parameters, (c,) and (c, 2), in the order of the cells.
-    """
-    order = np.lexsort((-gap, face))
-    rows = order[np.flatnonzero(np.diff(face[order], prepend=-1))]
-    face, uv, gap = face[rows], uv[rows], gap[rows]
-    going, step = np.arange(len(face)), 1.0 / (segments or reverse_segments(surface.domain))
-    for _ in range(ROUNDS):
-        if len(going) == 0:
-            break
-        step /= 2
-        around = np.repeat(face[going], len(AROUND))
-        tried = _inside(surface.domain, around, (uv[going, None] + step * AROUND).reshape(-1, 2))
-        gaps = gap_at(surface.evaluate(around, tried).position, np.repeat(rows[going], len(AROUND)))
-        gaps = gaps.reshape(-1, len(AROUND))
-        best, each = gaps.argmax(axis=1), np.arange(len(going))
-        better = gaps[each, best] > gap[going]
-        uv[going[better]] = tried.reshape(-1, len(AROUND), 2)[each, best][better]
-        lowest = np.minimum(gaps.min(axis=1), gap[going])
-        gap[going] = np.maximum(gaps[each, best], gap[going])
-        # Of a quadratic function the highest of a grid lacks half of what it exceeds a neighbour by at most.
-        going = going[gap[going] + (gap[going] - lowest) / 2 >= least]
-    return face, uv
-
-
-def _inside(domain: Domain, face: NDArray[np.int32], uv: Floats) -> Floats:
-    """Parameters drawn back into their cells."""
-    uv = np.clip(uv, 0.0, 1.0)
-    beyond = np.where(domain.shape[face] == TRIANGLE, np.maximum(uv.sum(axis=1), 1.0), 1.0)
-    return np.asarray(uv / beyond[:, None])
+class _Cut(NamedTuple):
+    face: NDArray[np.int32]
+    uv: Floats
+    triangles: NDArray[np.int32]
+    blocks: tuple[Block, ...]
 
 
 def reverse_segments(domain: Domain) -> int:
@@ -160,20 +129,33 @@ def _times(position: Floats, grid: Lattice, segments: int) -> NDArray[np.int64]:
     return np.asarray(STEPS[np.searchsorted(STEPS, times)])
 
 
-def _cut_apart(domain: Domain, segments: int, cells: NDArray[np.int64]) -> Grid:
+def _blocks(domain: Domain, segments: int, wanted: Flags, grid: Lattice) -> tuple[Block, ...]:
+    """The cells of a lattice, by their shape."""
+    cells = [np.flatnonzero(wanted & (domain.shape == shape)) for shape in (TRIANGLE, QUAD)]
+    return tuple(
+        Block(some, grid.begin[some], shape, segments) for some, shape in zip(cells, (TRIANGLE, QUAD), strict=True)
+    )
+
+
+def _cut_apart(cells: Rows, shape: int, segments: int) -> _Cut:
     """Cells cut like those of a `lattice`, but each with vertices of its own."""
-    grids: list[Grid] = []
-    for shape in (TRIANGLE, QUAD):
-        some = cells[domain.shape[cells] == shape]
-        nodes, cuts = np.array(grid_nodes(shape, segments)), cut(shape, segments)
-        rows = np.arange(len(some))[:, None, None] * len(nodes) + cuts
-        face = np.repeat(some, len(nodes)).astype(np.int32)
-        grids.append((face, np.tile(nodes / segments, (len(some), 1)), rows.reshape(-1, 3).astype(np.int32)))
-    return _joined(grids)
+    nodes, cuts = grid_nodes(shape, segments), cut(shape, segments)
+    each = np.arange(len(cells))
+    rows = each[:, None, None] * len(nodes) + cuts
+    face, uv = np.repeat(cells, len(nodes)).astype(np.int32), np.tile(nodes / segments, (len(cells), 1))
+    return _Cut(face, uv, rows.reshape(-1, 3).astype(np.int32), (Block(cells, each * len(cuts), shape, segments),))
 
 
-def _joined(grids: list[Grid]) -> Grid:
-    begin = np.cumsum([0] + [len(face) for face, _, _ in grids[:-1]], dtype=np.int32)
-    triangles = [triangles + first for (_, _, triangles), first in zip(grids, begin, strict=True)]
-    face, uv = (np.concatenate([grid[k] for grid in grids]) for k in (0, 1))
-    return face, uv, np.concatenate(triangles)
+def _joined(cuts: list[_Cut]) -> _Cut:
+    vertices = np.cumsum([0] + [len(part.face) for part in cuts[:-1]], dtype=np.int32)
+    rows = np.cumsum([0] + [len(part.triangles) for part in cuts[:-1]])
+    return _Cut(
+        np.concatenate([part.face for part in cuts]),
+        np.concatenate([part.uv for part in cuts]),
+        np.concatenate([part.triangles + begin for part, begin in zip(cuts, vertices, strict=True)]),
+        tuple(
+            block._replace(first=block.first + begin)
+            for part, begin in zip(cuts, rows, strict=True)
+            for block in part.blocks
+        ),
+    )
