@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from subdfit.fit.aim import AimedSamples
 from subdfit.fit.descent import Descent, Part
 from subdfit.fit.regions import Region, Rows, regions
-from subdfit.fit.reverse import DRAWN, even_samples, sparse_curve_samples, strays
+from subdfit.fit.reverse import DRAWN, Samples, even_samples, sparse_curve_samples, strays
 from subdfit.fit.state import FitState
 from subdfit.fit.system import smoothed
 from subdfit.fit.tangent import TangentSettings
@@ -52,18 +52,20 @@ class Spot:
     def moved(self, insistence: float) -> Floats:
         """Control points, (n, 3), after steps that draw samples by so many times their weight.
 
-        Where it strays all the same, samples are aimed at what faces like the surface. Where that has crumpled to meet
+        Where strays are left that can be aimed at what faces like the surface, they are. Where it has crumpled to meet
         the data, no pull smooths it: it begins anew, smooth, to be refined.
         """
-        found = self._settled(self.state, insistence)
+        samples = self._samples(self.state)
+        found = self._settled(self.state, samples, insistence)
         if self._strays_alone(found):
-            aimed = self._settled(self.state, insistence, aimed=True)
-            better = aimed.excess.max(initial=0.0) <= self.bound and self._strayed(aimed) < self._strayed(found)
-            found = aimed if better else found
+            aimed = AimedSamples.aim(samples, self.state.surface, self.state.data.target)
+            if np.any((aimed.triangle != samples.triangle) & (samples.gap > self.bound)):
+                found = self._better(found, self._settled(self.state, aimed, insistence))
         if insistence > PERSISTENT and self._strays_alone(found):
             mesh = self.state.surface.control_mesh
             anew = self.state.surface.with_points(smoothed(mesh, self.moving))
-            smooth = self._settled(FitState.start(self.state.data, anew), insistence)
+            begun = FitState.start(self.state.data, anew)
+            smooth = self._settled(begun, self._samples(begun), insistence)
             found = smooth if self._strayed(smooth) <= self.bound else found
         return found.surface.control_mesh.points
 
@@ -71,12 +73,18 @@ class Spot:
         """Whether the points are within the bound, but not the surface between them."""
         return bool(state.excess.max(initial=0.0) <= self.bound < self._strayed(state))
 
-    def _settled(self, state: FitState, insistence: float, aimed: bool = False) -> FitState:
-        samples = even_samples(state.surface, state.data.target, self.segments, self.inner).joined(
-            strays(state.surface, state.data.target, self.bound, self.inner, self.segments, DRAWN)
-        )
-        if aimed:
-            samples = AimedSamples.aim(samples, state.surface, state.data.target)
+    def _better(self, found: FitState, other: FitState) -> FitState:
+        """The other, if its points are within the bound as well and it strays less."""
+        if other.excess.max(initial=0.0) > self.bound or self._strayed(other) >= self._strayed(found):
+            return found
+        return other
+
+    def _samples(self, state: FitState) -> Samples:
+        surface, target = state.surface, state.data.target
+        even = even_samples(surface, target, self.segments, self.inner)
+        return even.joined(strays(surface, target, self.bound, self.inner, self.segments, DRAWN))
+
+    def _settled(self, state: FitState, samples: Samples, insistence: float) -> FitState:
         part = Part(state, samples, sparse_curve_samples(state, self.inner), self.moving, STEPS, GAIN)
         return Descent(self.weights, self.bound, DAMPING).moved(part, insistence)
 
