@@ -5,11 +5,17 @@ import pytest
 import trimesh
 
 import subdfit
+from subdfit.fit.auto import Auto
 from subdfit.fit.data import FitData
-from subdfit.fit.sheets import mixed
+from subdfit.fit.settings import FitSettings
+from subdfit.fit.sheets import MIXED, mixed
+from subdfit.fit.starts import parted
 from subdfit.fit.state import FitState
+from subdfit.initial.start import start_mesh
 from subdfit.limit.surface import LimitSurface
+from subdfit.measure import Tolerance
 from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.target.frame import Frame
 from subdfit.target.target import mesh_target
 
 
@@ -30,13 +36,26 @@ def test_a_casting_of_thin_plates_is_certified(meshes, scheme: str) -> None:
     assert result.history[0].control_vertices > 0.05 * 5096
 
 
-def test_sheets_are_parted_where_they_mix_and_nowhere_else() -> None:
-    """A ball that runs out into a plate, three thousandths as thick: its start is not made finer all over."""
+def ball_with_plate(thickness: float) -> tuple[np.ndarray, np.ndarray]:
+    """A ball that runs out into a plate, so many times as thick."""
     ball = trimesh.creation.icosphere(5)
     points = np.array(ball.vertices)
-    thickness = 0.003 + 0.997 / (1 + np.exp(np.clip(12 * points[:, 0], -50, 50)))
-    points[:, 2] *= thickness
+    points[:, 2] *= thickness + (1 - thickness) / (1 + np.exp(np.clip(12 * points[:, 0], -50, 50)))
     points[:, 0] += 3 * np.maximum(points[:, 0], 0)
-    result = subdfit.fit((points, ball.faces), max_error="0.1%", creases="none")
-    assert result.certified
-    assert 1.05 * 512 < result.history[0].control_vertices < 1.5 * 512
+    return points, np.asarray(ball.faces)
+
+
+def test_sheets_are_parted_where_they_mix_and_nowhere_else() -> None:
+    """The start is not made finer all over."""
+    target = mesh_target(*ball_with_plate(1e-3), creases="none")
+    target = target.normalised(Frame.of(target.points))
+    settings = FitSettings(tolerance=Tolerance(max=1e-3))
+    mesh = start_mesh(target, 300, 1e-3)
+    state = FitState.start(FitData.of(target, 0.02), LimitSurface(mesh, "loop"))
+    found = parted(state, settings, lambda: Auto(settings))
+    assert mixed(found).share <= MIXED < mixed(state).share
+    assert 1.05 * 300 < found.surface.topology.vertex_count < 1.5 * 300
+
+
+def test_a_plate_of_some_tolerances_is_certified() -> None:
+    assert subdfit.fit(ball_with_plate(3e-3), max_error="0.1%", creases="none").certified

@@ -59,7 +59,7 @@ class LimitSurface(limit.LimitSurface):
     ... )
     >>> surface = LimitSurface(octahedron)
     >>> found = surface.closest([[2.0, 0.0, 0.0]])
-    >>> surface.evaluate(found.face, found.uv).position.round(4)
+    >>> surface.evaluate(found.face, found.uv).position.round(4) + 0.0
     array([[0.4364, 0.    , 0.    ]])
     """
 
