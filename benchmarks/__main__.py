@@ -4,6 +4,7 @@ import sys
 
 import subdfit
 from benchmarks import (
+    certificate,
     creases,
     dragon,
     interpolation,
@@ -22,6 +23,7 @@ SECTIONS = {
     "paper": ("The paper's models, both methods", paper.run),
     "creases": ("Machined parts with and without creases", creases.run),
     "schemes": (f"All schemes at {schemes.BOUND}", schemes.run),
+    "certificate": (f"What the certificate finds at {certificate.BOUND}", certificate.run),
     "stages": ("Where the time goes", stages.run),
     "scaling": ("How time grows", scaling.run),
     "kernels": ("Kernels", kernels.run),

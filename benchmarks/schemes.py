@@ -15,18 +15,18 @@ BOUND = "0.15%"
 
 def run() -> str:
     """Fit models with every scheme, by ``auto`` and then by ``geometric``, and return the tables."""
-    for scheme in _schemes():
+    for scheme in schemes():
         for method in ("auto", "geometric"):
             subdfit.fit(MODELS / "cylinder.ply", max_error="0.5%", scheme=scheme, method=method)  # compile first
     return f"{_fits(NAMES, 'auto')}\n\n`geometric`:\n\n{_fits(GEOMETRIC, 'geometric')}"
 
 
-def _schemes() -> list[str]:
+def schemes() -> list[str]:
     return [name for name in SCHEMES if name != "doo-sabin-averaging"]
 
 
 def _fits(names: tuple[str, ...], method: str) -> str:
-    rows = [_row(name, scheme, method) for name in names for scheme in _schemes()]
+    rows = [_row(name, scheme, method) for name in names for scheme in schemes()]
     head = ["model", "scheme", "vertices", "quads", "E_max %", "E_rms %", "reverse %", "certified", "CPU s"]
     return table(head, rows)
 
