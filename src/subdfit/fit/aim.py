@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 
 ALIKE = 0.5
 """The surface faces like a part of the target where the cosine between both is as large as this."""
-FARTHEST = 5.0
+FARTHER = 5.0
 """Such a part is looked for up to so many times as far away as what is nearest."""
 
 
@@ -26,28 +26,35 @@ FARTHEST = 5.0
 class AimedSamples(Samples):
     """Samples of a surface, each with its direction to the nearest part of the target that faces like the surface.
 
-    That is what is nearest, but for samples where this faces elsewhere and another is not far.
+    That is what is nearest, but for samples where this faces elsewhere and another is not far. Made by `aim`; parts of
+    them are samples as any.
+
+    Attributes
+    ----------
+    farthest : how far away such a part may lie.
     """
 
+    farthest: float = np.inf
+
     @classmethod
-    def aim(cls, samples: Samples, surface: LimitSurface, target: Target) -> "AimedSamples":
+    def aim(cls, samples: Samples, surface: LimitSurface, target: Target, farthest: float) -> "AimedSamples":
         """Aim samples whose nearest points are known."""
         normals = surface.normals(samples.face, samples.uv)
         off = np.flatnonzero((_cosines(normals, target, samples.triangle) < ALIKE) & (samples.gap > 0))
         place = surface.evaluate(samples.face[off], samples.uv[off]).position
         distance = target.tree.closest(place, start=samples.triangle[off]).distance
-        row, triangle = _nearest_alike(place, normals[off], target, FARTHEST * distance)
+        row, triangle = _nearest_alike(place, normals[off], target, np.minimum(FARTHER * distance, farthest))
         # The nearest point of the triangle that is named, not of all.
         found = target.tree.closest(place[row], start=triangle, enough=np.inf)
         normal, gap, near = samples.normal.copy(), samples.gap.copy(), samples.triangle.copy()
         normal[off[row]] = unit(target.on_triangles(triangle, found.uv) - place[row])
-        gap[off[row]] += found.distance - distance[row]
+        gap[off[row]] = np.maximum(found.distance - target.allowance(place[row], found), 0.0)
         near[off[row]] = triangle
-        return cls(samples.face, samples.uv, normal, gap, near)
+        return cls(samples.face, samples.uv, normal, gap, near, farthest)
 
     def renewed(self, surface: LimitSurface, target: Target) -> "AimedSamples":
         """The same samples on a surface that has moved."""
-        return AimedSamples.aim(super().renewed(surface, target), surface, target)
+        return AimedSamples.aim(super().renewed(surface, target), surface, target, self.farthest)
 
 
 def _nearest_alike(

@@ -24,7 +24,7 @@ TOUCHING = 1e-9
 """A sample this near its foot has no direction in which it is off."""
 
 DRAWN = 0.5
-"""Samples are held from this share of what they may be off on: they would be off by more when others are drawn back."""
+"""Samples farther off than this share of the bound are held: drawing others back would push them beyond it."""
 CURVE_PLACES = np.array([0.25, 0.5, 0.75])
 """Where along a side its curve is sampled."""
 
@@ -109,12 +109,12 @@ def strays(
     segments: int = 0,
     share: float = 1.0,
 ) -> Samples:
-    """Those of the certificate's samples, and of the peaks between them, that stray: lie off by more than `bound`.
+    """Those of the certificate's samples, and of the peaks between them, that stray.
 
-    That is beyond what the faceting allows there; or by more than a `share` of the bound, peaks below it only as near
-    as they happen to be found. Where `cells` (c,) are flagged, those of these alone; `segments` a small
-    cell's side, where given. Of a large cell's many samples the farthest stands for those near it, so that they do not
-    outvote the data.
+    They lie off, beyond what the faceting allows, by more than `share` times `bound`. Peaks are searched to the end
+    only where they may exceed `bound`; lower ones are wherever their search was given up. Where `cells` (c,) are
+    flagged, those of these alone; `segments` a small cell's side, where given. Of a large cell's many samples the
+    farthest stands for those near it, so that they do not outvote the data.
     """
     if not target.is_mesh:
         return Samples.none()

@@ -24,6 +24,8 @@ ENOUGH = 32
 """Points for each triangle of a face that take part."""
 DAMPING = 1e-2
 """First damping of a spot: a late split has few points to hold it."""
+FARTHEST = 10.0
+"""Samples are aimed at what lies within so many bounds."""
 PERSISTENT = 4.0
 """A spot that strays though its samples are drawn harder than so many times begins anew."""
 
@@ -57,11 +59,12 @@ class Spot:
         """
         samples = self._samples(self.state)
         found = self._settled(self.state, samples, insistence)
-        if self._strays_alone(found):
-            aimed = AimedSamples.aim(samples, self.state.surface, self.state.data.target)
-            if np.any((aimed.triangle != samples.triangle) & (samples.gap > self.bound)):
-                found = self._better(found, self._settled(self.state, aimed, insistence))
-        if insistence > PERSISTENT and self._strays_alone(found):
+        strayed = self._strayed_alone(found)
+        if self.bound < strayed < np.inf:
+            other = self._aimed(samples, insistence)
+            left = self._strayed_alone(other) if other is not None else np.inf
+            found, strayed = (other, left) if other is not None and left < strayed else (found, strayed)
+        if insistence > PERSISTENT and self.bound < strayed < np.inf:
             mesh = self.state.surface.control_mesh
             anew = self.state.surface.with_points(smoothed(mesh, self.moving))
             begun = FitState.start(self.state.data, anew)
@@ -69,15 +72,13 @@ class Spot:
             found = smooth if self._strayed(smooth) <= self.bound else found
         return found.surface.control_mesh.points
 
-    def _strays_alone(self, state: FitState) -> bool:
-        """Whether the points are within the bound, but not the surface between them."""
-        return bool(state.excess.max(initial=0.0) <= self.bound < self._strayed(state))
-
-    def _better(self, found: FitState, other: FitState) -> FitState:
-        """The other, if its points are within the bound as well and it strays less."""
-        if other.excess.max(initial=0.0) > self.bound or self._strayed(other) >= self._strayed(found):
-            return found
-        return other
+    def _aimed(self, samples: Samples, insistence: float) -> FitState | None:
+        """The state settled with samples aimed at what faces like the surface; None where that changes no stray."""
+        state = self.state
+        aimed = AimedSamples.aim(samples, state.surface, state.data.target, FARTHEST * self.bound)
+        if not np.any((aimed.triangle != samples.triangle) & (samples.gap > self.bound)):
+            return None
+        return self._settled(state, aimed, insistence)
 
     def _samples(self, state: FitState) -> Samples:
         surface, target = state.surface, state.data.target
@@ -89,8 +90,13 @@ class Spot:
         return Descent(self.weights, self.bound, DAMPING).moved(part, insistence)
 
     def _strayed(self, state: FitState) -> float:
+        """How far the surface strays at most; 0 within the bound."""
         found = strays(state.surface, state.data.target, self.bound, self.inner, self.segments)
         return float(found.gap.max(initial=0.0))
+
+    def _strayed_alone(self, state: FitState) -> float:
+        """The same, and endlessly where points are beyond the bound as well."""
+        return np.inf if state.excess.max(initial=0.0) > self.bound else self._strayed(state)
 
 
 def spots_moved(state: FitState, moving: Flags, weights: TangentSettings, bound: float, insistence: float) -> FitState:

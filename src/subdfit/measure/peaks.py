@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from subdfit.limit.surface import LimitSurface
 from subdfit.limit.tessellate import grid_nodes
 from subdfit.measure.samples import Block, SurfaceSamples
+from subdfit.parallel import map_chunks
 from subdfit.schemes.domain import TRIANGLE, Domain
 
 Floats = NDArray[np.float64]
@@ -31,14 +32,18 @@ second. The distance from the target has ridges, where two of its triangles are 
 way along one would be missed."""
 
 
+AT_ONCE = 8192
+"""So many searches go on side by side: more would take memory for nothing."""
+
+
 class Peaks(NamedTuple):
-    """Where searches begin, and then where they end.
+    """Where searches end, those as well that were given up.
 
     Attributes
     ----------
     face, uv : (k,) int32 and (k, 2).
     gap : (k,), how far off the surface is there.
-    row : (k,) int64, the samples at which they begin.
+    row : (k,) int64, the samples at which they began.
     """
 
     face: NDArray[np.int32]
@@ -68,8 +73,23 @@ def peaks(
         How far off a peak must be to matter: where none so far can be expected the search ends.
     """
     found = [_highest(block, block.nodes(samples.triangles), gap, PEAK * least) for block in samples.blocks]
-    face, uv, row, first = (np.concatenate(parts) for parts in zip(*found, strict=True))
-    gap, step, going = gap[row], first.copy(), np.arange(len(face))
+    face, uv, row, step = (np.concatenate(parts) for parts in zip(*found, strict=True))
+
+    def searched(begin: int, end: int) -> Peaks:
+        some = slice(begin, end)
+        starts = Peaks(face[some], uv[some], gap[row[some]], row[some])
+        return _searched(surface, starts, step[some], gap_at, least)
+
+    ends = map_chunks(searched, len(face), AT_ONCE) or [Peaks(face, uv, gap[row], row)]
+    return Peaks(*(np.concatenate(parts) for parts in zip(*ends, strict=True)))
+
+
+def _searched(
+    surface: LimitSurface, starts: Peaks, first: Floats, gap_at: Callable[[Floats, Rows], Floats], least: float
+) -> Peaks:
+    """Where searches from some starts end; their `first` steps, (k,), are halved where they lead no higher."""
+    face, uv, gap, row = starts
+    step, going = first.copy(), np.arange(len(face))
     for past in range(ROUNDS):
         if len(going) == 0:
             break
@@ -98,6 +118,8 @@ def _highest(
 ) -> tuple[NDArray[np.int32], Floats, Rows, Floats]:
     """The samples of each cell than which none beside them in it is higher, where that is at least so high.
 
+    Of equal ones beside each other the first.
+
     Returns
     -------
     Their cells, parameters and rows, and how far parameters are apart there.
@@ -106,11 +128,13 @@ def _highest(
     n, (i, j) = block.segments, grid_nodes(block.shape, block.segments).T
     grid = np.full((len(some), n + 3, n + 3), -np.inf)
     grid[:, j + 1, i + 1] = gap[nodes[some]]
-    highest = np.maximum(grid[:, 1:-1, 1:-1], least)
+    here = grid[:, 1:-1, 1:-1]
+    highest = here >= least
     for down in range(3):
         for right in range(3):
-            np.maximum(highest, grid[:, down : down + n + 1, right : right + n + 1], out=highest)
-    cell, node = np.nonzero((grid[:, 1:-1, 1:-1] >= highest)[:, j, i])
+            beside = grid[:, down : down + n + 1, right : right + n + 1]
+            highest &= here > beside if (down, right) < (1, 1) else here >= beside
+    cell, node = np.nonzero(highest[:, j, i])
     uv = np.column_stack([i[node], j[node]]) / n
     face, row = block.cells[some[cell]].astype(np.int32), nodes[some[cell], node].astype(np.int64)
     return face, uv, row, np.full(len(face), 1 / n)

@@ -73,7 +73,8 @@ def surface_samples(surface: LimitSurface, some: Flags | None = None, segments: 
     surface
         The limit surface.
     some
-        Cells to sample; None takes all. What samples a cell has depends on it alone, and on `segments`.
+        Cells to sample; None takes all. What samples a cell has depends on it and `segments` alone, up
+        to `MOST_IN_ALL`.
     segments
         Segments a cell's side where cells are small; 0 takes `reverse_segments`.
     """
