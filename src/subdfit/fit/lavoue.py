@@ -15,11 +15,12 @@ from subdfit.fit.auto import Auto
 from subdfit.fit.faults import Faults
 from subdfit.fit.lavoue_whole import cut_part, whole_start
 from subdfit.fit.places import Places
-from subdfit.fit.reverse import Samples, reverse_badness, sparse_samples, strays
+from subdfit.fit.reverse import Samples, even_samples, reverse_badness, sparse_samples
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import badness, within
 from subdfit.fit.thinning_hold import Hold
+from subdfit.measure import reverse_segments
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.target.target import Target
 
@@ -67,10 +68,14 @@ class Lavoue(Auto):
         return reverse_badness(state, tolerance) if tolerance.max is None else super().stray(state)
 
     def _samples(self, state: FitState) -> Samples:
-        """Those of sparse faces, and of folds: samples much farther off than the data are; all once these hold."""
-        held = within(state, self.settings.tolerance)
+        """Those of sparse faces, and of folds: samples much farther off than the data are; all once these hold.
+
+        Without the peaks between them, which would pull the hardest where much is to move yet.
+        """
+        surface, held = state.surface, within(state, self.settings.tolerance)
         least = max(self._descent.bound / 2, 0.0 if held else FOLD * state.errors.rms)
-        return sparse_samples(state).joined(strays(state.surface, state.data.target, least))
+        even = even_samples(surface, state.data.target, reverse_segments(surface.domain), bound=least)
+        return sparse_samples(state).joined(even)
 
     def _moved_everywhere(self, state: FitState, final: bool) -> FitState:
         """By all points: few of them would leave large faces free to swing between."""
