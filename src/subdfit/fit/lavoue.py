@@ -15,7 +15,7 @@ from subdfit.fit.auto import Auto
 from subdfit.fit.faults import Faults
 from subdfit.fit.lavoue_whole import cut_part, whole_start
 from subdfit.fit.places import Places
-from subdfit.fit.reverse import Samples, even_samples, reverse_badness, sparse_samples
+from subdfit.fit.reverse import Samples, even_samples, reverse_badness, sparse_samples, strays
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import badness, within
@@ -70,11 +70,14 @@ class Lavoue(Auto):
     def _samples(self, state: FitState) -> Samples:
         """Those of sparse faces, and of folds: samples much farther off than the data are; all once these hold.
 
-        Without the peaks between them, which would pull the hardest where much is to move yet.
+        Where a largest error is asked that does not hold yet, without the peaks between them, which would pull hardest.
         """
-        surface, held = state.surface, within(state, self.settings.tolerance)
+        surface, target, tolerance = state.surface, state.data.target, self.settings.tolerance
+        held = within(state, tolerance)
         least = max(self._descent.bound / 2, 0.0 if held else FOLD * state.errors.rms)
-        even = even_samples(surface, state.data.target, reverse_segments(surface.domain), bound=least)
+        if held or tolerance.max is None:
+            return sparse_samples(state).joined(strays(surface, target, least))
+        even = even_samples(surface, target, reverse_segments(surface.domain), bound=least)
         return sparse_samples(state).joined(even)
 
     def _moved_everywhere(self, state: FitState, final: bool) -> FitState:
