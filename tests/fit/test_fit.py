@@ -10,10 +10,11 @@ from subdfit.closest.projection import Projector
 from subdfit.errors import InputError
 from subdfit.fit.auto import Auto
 from subdfit.fit.data import FitData
-from subdfit.fit.driver import Progress, fit_target
+from subdfit.fit.driver import Progress, _Run, fit_target
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
 from subdfit.fit.tangent import TangentSettings
+from subdfit.initial.start import start_mesh
 from subdfit.limit import LimitSurface
 from subdfit.limit.tessellate import lattice
 from subdfit.measure import Tolerance, measure
@@ -210,3 +211,37 @@ def test_a_mean_alone_is_certified_on_both_sides_or_not_at_all(dome: Target, bal
     asked = Tolerance(mean=5e-3)
     assert asked.met(found.max, found.rms, found.mean)
     assert not found.certifies(asked)
+
+
+def test_of_states_whose_data_hold_that_is_kept_which_strays_least(dome: Target) -> None:
+    """The certificate asks for no curves: one that a curve keeps from being within tolerance may be certified."""
+    inside = dome.normalised(Frame.of(dome.points))
+    rough, good = (
+        FitState.start(FitData.of(inside, 0.1), LimitSurface(start_mesh(inside, count, 1e-3), "loop"))
+        for count in (20, 60)
+    )
+    off = good.curve_distances.max()
+    bound = (max(good.errors.max, good.errors.excess) + off) / 2
+    assert max(good.errors.max, good.errors.excess) < bound < off
+    assert rough.errors.max > bound
+
+    class Judge(Auto):
+        strays = 0.0
+
+        def stray(self, state: FitState) -> float:
+            return self.strays
+
+    asked = settings("auto", bound)
+    judge, run = Judge(asked), _Run(inside, asked, Frame.of(inside.points), None)
+    for state, strays in ((rough, 0.5), (good, 3.0), (rough, 0.1), (replace(good), 2.0), (replace(good), 2.5)):
+        judge.strays = strays
+        run.record("fit", state, judge)
+        if state is rough and strays == 0.5:
+            assert run.best is rough
+    assert run.best is not rough
+    assert run.best_iteration == 3
+    wider = replace(asked, tolerance=Tolerance(max=2 * off))
+    run.settings = wider
+    judge.strays = 9.0
+    run.record("fit", good, judge)
+    assert run.best is good

@@ -20,7 +20,7 @@ from subdfit.fit.result import FitResult, Iteration, Status
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.starts import parted, started
 from subdfit.fit.state import FitState
-from subdfit.fit.stop import badness, error_that_matters, within
+from subdfit.fit.stop import badness, error_that_matters, surface_within, within
 from subdfit.fit.thinning import Thinning
 from subdfit.limit.surface import LimitSurface
 from subdfit.measure import Measurement, Outliers, measure
@@ -70,30 +70,34 @@ class _Run:
     history: list[Iteration] = field(default_factory=list)
     seconds: dict[str, float] = field(default_factory=dict)
     best: FitState | None = None
-    best_value: float = np.inf
+    best_standing: tuple[int, float] = (3, np.inf)
     best_iteration: int = 0
     first_within: tuple[int, int] | None = None
 
     def record(self, stage: str, state: FitState, fitter: Fitter) -> None:
-        """Note an iteration, keep the best state, tell the caller.
-
-        Of states within tolerance that one is best whose surface strays least between the data.
-        """
+        """Note an iteration, keep the best state, tell the caller."""
         errors = state.errors
         elapsed = time.perf_counter() - self.begun - (compile_clock.seconds - self.compiled)
         count = state.surface.topology.vertex_count
         row = Iteration(len(self.history), count, errors.max, errors.rms, errors.mean, elapsed)
         self.history.append(row)
-        value = badness(state, self.settings.tolerance)
-        if within(state, self.settings.tolerance):
-            stray = fitter.stray(state)
-            value = stray / (1 + stray)
-        if value < self.best_value:
-            self.best, self.best_value, self.best_iteration = state, value, row.iteration
+        standing = self._standing(state, fitter)
+        if standing < self.best_standing:
+            self.best, self.best_standing, self.best_iteration = state, standing, row.iteration
         logger.debug("%s %d: %d vertices, max %.3e, rms %.3e", stage, row.iteration, count, errors.max, errors.rms)
         if self.callback is not None:
             mesh = self.outside(state)
             self.callback(Progress(stage, row.iteration, count, errors.max, errors.rms, elapsed, mesh))
+
+    def _standing(self, state: FitState, fitter: Fitter) -> tuple[int, float]:
+        """What orders states, the best first: those within tolerance, with their curves and without, then others.
+
+        Of states within tolerance that one is best whose surface strays least between the data.
+        """
+        tolerance = self.settings.tolerance
+        if not surface_within(state, tolerance):
+            return 2, badness(state, tolerance)
+        return int(not within(state, tolerance)), fitter.stray(state)
 
     def spent_on_reverse(self, state: FitState, patience: int) -> bool:
         """Whether, once the data's side is within tolerance, enough was tried for the reverse side."""
@@ -196,7 +200,9 @@ def _iterate(run: _Run, state: FitState, fitter: Fitter) -> tuple[FitState, Meas
         if len(run.history) - run.best_iteration > fitter.patience:
             break
     assert run.best is not None
-    return run.best, None
+    # The certificate asks for no curves.
+    held = run.best_standing[0] <= 1 and run.best_standing[1] <= 1
+    return run.best, _measured(run, run.best) if held else None
 
 
 def _thinned(run: _Run, state: FitState, measurement: Measurement, fitter: Fitter) -> tuple[FitState, Measurement]:

@@ -7,11 +7,15 @@ CURVE_FACTOR = 1.0
 """Points on curves may lie this many tolerances from the fitted curve."""
 
 
+def surface_within(state: FitState, tolerance: Tolerance) -> bool:
+    """Whether the state's errors hold all that is asked, whatever its curves do."""
+    errors = state.errors
+    return tolerance.met(max(errors.max, errors.excess), errors.rms, errors.mean)
+
+
 def within(state: FitState, tolerance: Tolerance) -> bool:
     """Whether the state's errors, curves too, hold all that is asked."""
-    errors = state.errors
-    largest = max(errors.max, errors.excess)
-    if not tolerance.met(largest, errors.rms, errors.mean):
+    if not surface_within(state, tolerance):
         return False
     return tolerance.max is None or state.curve_distances.max(initial=0.0) <= CURVE_FACTOR * tolerance.max
 
