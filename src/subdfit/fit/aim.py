@@ -48,7 +48,9 @@ class AimedSamples(Samples):
         found = target.tree.closest(place[row], start=triangle, enough=np.inf)
         normal, gap, near = samples.normal.copy(), samples.gap.copy(), samples.triangle.copy()
         normal[off[row]] = unit(target.on_triangles(triangle, found.uv) - place[row])
-        gap[off[row]] = np.maximum(found.distance - target.allowance(place[row], found), 0.0)
+        # The faceting's allowance stays that of what is nearest: at the fold that ends a slit it is so large that what
+        # is off in the slit would be let off.
+        gap[off[row]] += found.distance - distance[row]
         near[off[row]] = triangle
         return cls(samples.face, samples.uv, normal, gap, near, farthest)
 
