@@ -5,12 +5,13 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from tests.shapes.parts import can
 
 from subdfit.closest.projection import Projector
 from subdfit.errors import InputError
 from subdfit.fit.auto import Auto
 from subdfit.fit.data import FitData
-from subdfit.fit.driver import Progress, _Run, fit_target
+from subdfit.fit.driver import METHODS, Progress, _Run, fit_target
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
 from subdfit.fit.tangent import TangentSettings
@@ -245,3 +246,23 @@ def test_of_states_whose_data_hold_that_is_kept_which_strays_least(dome: Target)
     judge.strays = 9.0
     run.record("fit", good, judge)
     assert run.best is good
+
+
+def test_a_fit_goes_on_that_is_within_tolerance_by_its_own_account_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    target = mesh_target(*can(sections=16, rows=3), creases=30.0)
+    told = []
+
+    class Blind(Auto):
+        """Sees nothing that strays until it is told to."""
+
+        def stray(self, state: FitState) -> float:
+            return super().stray(state) if told else 0.0
+
+        def look_closer(self) -> None:
+            told.append(True)
+            super().look_closer()
+
+    monkeypatch.setitem(METHODS, "auto", Blind)
+    result = fit_target(target, settings("auto", 2e-3, scheme="loop"))
+    assert told
+    assert result.certified

@@ -89,6 +89,10 @@ class Auto:
         """How far samples of the surface lie off the target at most, in tolerances."""
         return self._strays.worst(state)
 
+    def look_closer(self) -> None:
+        """Allow less between the data from now on."""
+        self._strays.allow_less()
+
     def _moved_everywhere(self, state: FitState, final: bool) -> FitState:
         """Move all control vertices, by some of the points as long as the control mesh still changes."""
         some, rows = (state, np.arange(len(state.face))) if final else state.thinned(ENOUGH)

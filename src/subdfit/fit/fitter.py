@@ -22,3 +22,7 @@ class Fitter(Protocol):
     def stray(self, state: FitState) -> float:
         """How far the surface of a state within tolerance lies off the target between the data, in tolerances."""
         ...
+
+    def look_closer(self) -> None:
+        """The certificate found the surface farther off than `stray` had: allow less between the data from now on."""
+        ...

@@ -61,6 +61,10 @@ class Geometric:
         """How far samples of the surface lie off the target at most, in tolerances."""
         return self._strays.worst(state)
 
+    def look_closer(self) -> None:
+        """Allow less between the data from now on."""
+        self._strays.allow_less()
+
     def displacements(self, state: FitState) -> Floats:
         """Displacement of each control vertex, (n, 3): equations 3 and 4. Where the weights sum to zero it is zero."""
         surface = state.surface

@@ -23,6 +23,10 @@ STUBBORN, GAIN = 16.0, 0.98
 no further: what is missing there is freedom, not weight."""
 
 
+LESS = 0.95
+"""Share of the bound that is left each time that less is allowed."""
+
+
 class Strays:
     """The strays of a surface that changes in parts.
 
@@ -49,6 +53,11 @@ class Strays:
         if self._seen is None or self._seen[0] is not surface:
             self._seen = (surface, self._found(state))
         return self._seen[1]
+
+    def allow_less(self) -> None:
+        """Hold the surface to a smaller bound: peaks just below the bound were given up that were higher after all."""
+        self.bound = LESS * self.bound if self.bound is not None else None
+        self._seen = None
 
     def even(self, state: FitState) -> Samples:
         """Those of even samples that stray as far, without the peaks between them.
