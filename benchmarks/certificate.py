@@ -5,6 +5,7 @@ import numpy as np
 import subdfit
 from benchmarks.common import MODELS, percent, table
 from benchmarks.schemes import schemes
+from subdfit.api.triangulate import triangles_of
 from subdfit.limit import LimitSurface
 from subdfit.limit.tessellate import lattice
 from subdfit.measure import reverse_segments
@@ -27,7 +28,7 @@ def run() -> str:
 def _row(name: str, scheme: str) -> list[str]:
     result = subdfit.fit(MODELS / f"{name}.ply", max_error=BOUND, scheme=scheme)
     data = subdfit.read(MODELS / f"{name}.ply")
-    target = mesh_target(data.points, data.face_vertices.reshape(-1, 3))
+    target = mesh_target(data.points, triangles_of(data))
     frame = Frame.of(target.points[target.used])
     mesh = result.control_mesh
     surface = LimitSurface(mesh, scheme).with_points(frame.inside(mesh.points))
