@@ -22,6 +22,7 @@ def run() -> str:
 
 
 def schemes() -> list[str]:
+    """Names of the schemes that are compared: Doo-Sabin by its original masks alone."""
     return [name for name in SCHEMES if name != "doo-sabin-averaging"]
 
 
