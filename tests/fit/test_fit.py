@@ -246,6 +246,16 @@ def test_of_states_whose_data_hold_that_is_kept_which_strays_least(dome: Target)
     judge.strays = 9.0
     run.record("fit", good, judge)
     assert run.best is good
+    judge.strays = 4.0
+    run.record("fit", replace(good), judge)
+    best = run.best
+    run.disproved(good, 20.0)
+    assert run.best_standing == (0, 4.0)
+    run.disproved(best, 6.0)
+    judge.strays = 5.0
+    last = replace(good)
+    run.record("fit", last, judge)
+    assert run.best is last
 
 
 def test_a_fit_goes_on_that_is_within_tolerance_by_its_own_account_alone(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -101,6 +101,11 @@ class _Run:
             return 2, badness(state, tolerance)
         return int(not within(state, tolerance)), fitter.stray(state)
 
+    def disproved(self, state: FitState, strays: float) -> None:
+        """Let a state stand by how far, in tolerances, the certificate found its surface to stray."""
+        if self.best is state:
+            self.best_standing = self.best_standing[0], strays
+
     def spent_on_reverse(self, state: FitState, patience: int) -> bool:
         """Whether, once the data's side is within tolerance, enough was tried for the reverse side."""
         count = state.surface.topology.vertex_count
@@ -194,8 +199,9 @@ def _iterate(run: _Run, state: FitState, fitter: Fitter) -> tuple[FitState, Meas
             measurement = _measured(run, state)
             if not measurement.meets(settings.tolerance):
                 state = run.excused(state.verified())
-            elif closer < CLOSER and _strayed(measurement, settings.tolerance):
+            elif closer < CLOSER and (strays := _strays(measurement, settings.tolerance)) > 1:
                 closer += 1
+                run.disproved(state, strays)
                 fitter.look_closer()
             else:
                 return state, measurement
@@ -211,9 +217,9 @@ def _iterate(run: _Run, state: FitState, fitter: Fitter) -> tuple[FitState, Meas
     return run.best, _measured(run, run.best) if held else None
 
 
-def _strayed(measurement: Measurement, tolerance: Tolerance) -> bool:
-    """Whether the surface lies off between the data by more than the largest error asked."""
-    return tolerance.max is not None and measurement.reverse_excess > tolerance.max
+def _strays(measurement: Measurement, tolerance: Tolerance) -> float:
+    """How far the surface lies off between the data, in tolerances; 0 where no largest error is asked."""
+    return 0.0 if tolerance.max is None else measurement.reverse_excess / tolerance.max
 
 
 def _thinned(run: _Run, state: FitState, measurement: Measurement, fitter: Fitter) -> tuple[FitState, Measurement]:
