@@ -108,10 +108,17 @@ def _writable(folder: Path) -> bool:
 
 
 class CompileClock(numba.core.event.Listener):
-    """Counts the seconds spent compiling, and tells the user once that it happens."""
+    """Counts the seconds spent compiling, and tells the user once that it happens.
+
+    Attributes
+    ----------
+    seconds : spent compiling so far.
+    at_first : called once, when the first kernel of the process is about to be compiled; None is nothing.
+    """
 
     def __init__(self) -> None:
         self.seconds = 0.0
+        self.at_first: Callable[[], None] | None = None
         self._depth = 0
         self._started = 0.0
         self._told = False
@@ -123,6 +130,8 @@ class CompileClock(numba.core.event.Listener):
             if not self._told:
                 logger.info("compiling kernels for this machine (first run only; kept for the next)")
                 self._told = True
+                if self.at_first is not None:
+                    self.at_first()
         self._depth += 1
 
     def on_end(self, event: Any) -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from subdfit.cli import options
+from subdfit.cli.ahead import compiling_ahead
 from subdfit.cli.console import Console, say
 from subdfit.cli.fit import EXIT, add_writing, fit_arguments
 from subdfit.cli.outputs import check_outputs, made_folder, write_json, write_surface
@@ -53,7 +54,8 @@ def run(args: argparse.Namespace, console: Console) -> int:
     names = [*FILES] if args.path else [SCAN, *FILES]
     check_outputs([], [args.path] if args.path else [], documents=[str(folder / name) for name in names])
     target = args.path or _scan(folder, args, console)
-    result = api.fit(target, progress=console.progress, **fit_arguments(args))
+    with compiling_ahead("loop", args.threads, args.memory):
+        result = api.fit(target, progress=console.progress, **fit_arguments(args))
     console.stage("writing and drawing")
     _write(folder, result)
     console.rest()

@@ -5,6 +5,7 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from subdfit.cli import options
+from subdfit.cli.ahead import compiling_ahead
 from subdfit.cli.console import Console, say
 from subdfit.cli.outputs import check_level, check_outputs, write_json, write_surface
 from subdfit.cli.saved_run import check_run, write_run
@@ -115,7 +116,8 @@ def run(args: argparse.Namespace, console: Console) -> int:
     check_outputs(args.output, [args.target], documents=[args.json], pictures=[args.picture])
     check_run(args.saved_run)
     try:
-        result = api.fit(args.target, progress=console.progress, **fit_arguments(args))
+        with compiling_ahead(args.scheme, args.threads, args.memory):
+            result = api.fit(args.target, progress=console.progress, **fit_arguments(args))
     except KeyboardInterrupt:
         return _write_unmeasured(args, console)
     write_all(args, result, console)
