@@ -53,9 +53,23 @@ def test_sheets_are_parted_where_they_mix_and_nowhere_else() -> None:
     mesh = start_mesh(target, 300, 1e-3)
     state = FitState.start(FitData.of(target, 0.02), LimitSurface(mesh, "loop"))
     found = parted(state, settings, lambda: Auto(settings))
-    assert mixed_sheets(state, Auto(settings)) is not None
-    assert mixed_sheets(found, Auto(settings)) is None
-    assert 1.05 * 300 < found.surface.topology.vertex_count < 1.5 * 300
+    assert mixed_sheets(state, Auto(settings))[0] is not None
+    assert mixed_sheets(found.state, Auto(settings))[0] is None
+    assert 1.05 * 300 < found.state.surface.topology.vertex_count < 1.5 * 300
+
+
+def test_the_round_that_was_looked_at_is_the_first_of_the_fit() -> None:
+    target = mesh_target(*ball_with_plate(1e-3), creases="none")
+    target = target.normalised(Frame.of(target.points))
+    settings = FitSettings(tolerance=Tolerance(max=1e-3))
+    state = FitState.start(FitData.of(target, 0.02), LimitSurface(start_mesh(target, 300, 1e-3), "loop"))
+    fitter = Auto(settings)
+    advanced = mixed_sheets(state, fitter)[1]
+    again = Auto(settings)
+    points = advanced.surface.control_mesh.points
+    np.testing.assert_array_equal(points, again.advance(state).surface.control_mesh.points)
+    second = fitter.advance(advanced).surface.control_mesh.points
+    np.testing.assert_array_equal(second, again.advance(advanced).surface.control_mesh.points)
 
 
 def test_a_plate_of_some_tolerances_is_certified() -> None:

@@ -18,7 +18,7 @@ from subdfit.fit.held import boundary_held
 from subdfit.fit.lavoue import Lavoue
 from subdfit.fit.result import FitResult, Iteration, Status
 from subdfit.fit.settings import FitSettings
-from subdfit.fit.starts import parted, started
+from subdfit.fit.starts import Start, parted, started
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import badness, error_that_matters, surface_within, within
 from subdfit.fit.thinning import Thinning
@@ -171,18 +171,17 @@ def fit_target(
     run.timed("start", clock)
     clock = time.perf_counter()
     state = FitState.start(data, LimitSurface(mesh, settings.scheme))
-    state = parted(state, settings, lambda: METHODS[settings.method](settings))
+    start = parted(state, settings, lambda: METHODS[settings.method](settings))
     if settings.fixed_boundary:
-        state = boundary_held(state, settings)
+        start = Start(boundary_held(start.state, settings), METHODS[settings.method](settings), None)
     run.timed("footpoints", clock)
     interrupted, measurement = False, None
     clock = time.perf_counter()
     try:
-        fitter = METHODS[settings.method](settings)
-        run.record("start", state, fitter)
-        state, measurement = _iterate(run, state, fitter)
+        run.record("start", start.state, start.fitter)
+        state, measurement = _iterate(run, start)
         if measurement is not None and (settings.thin or settings.method == "lavoue"):
-            state, measurement = _thinned(run, state, measurement, fitter)
+            state, measurement = _thinned(run, state, measurement, start.fitter)
     except KeyboardInterrupt:
         if run.best is None:
             raise
@@ -191,9 +190,10 @@ def fit_target(
     return _result(run, state, measurement or _measured(run, state), interrupted, unit)
 
 
-def _iterate(run: _Run, state: FitState, fitter: Fitter) -> tuple[FitState, Measurement | None]:
+def _iterate(run: _Run, start: Start) -> tuple[FitState, Measurement | None]:
     """Advance until a state is within tolerance by its measurement, or there is no hope; return the best."""
     settings, closer = run.settings, 0
+    state, fitter, advanced = start.state, start.fitter, start.advanced
     for _ in range(settings.max_iterations):
         if within(state, settings.tolerance) and fitter.stray(state) <= 1:
             measurement = _measured(run, state)
@@ -207,7 +207,7 @@ def _iterate(run: _Run, state: FitState, fitter: Fitter) -> tuple[FitState, Meas
                 return state, measurement
         if within(state, settings.tolerance) and run.spent_on_reverse(state, fitter.patience):
             break
-        state = run.excused(fitter.advance(state))
+        state, advanced = run.excused(advanced or fitter.advance(state)), None
         run.record("fit", state, fitter)
         if len(run.history) - run.best_iteration > fitter.patience:
             break

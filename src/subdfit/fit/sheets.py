@@ -58,9 +58,16 @@ def mixed(state: FitState) -> Mixed:
     return Mixed(float(area[wrong].sum() / max(area.sum(), 1e-300)), middle[wrong], reach)
 
 
-def mixed_sheets(state: FitState, fitter: Fitter) -> Mixed | None:
-    """Where the surface mixes sheets up and a round by a fitter, made for this, does not mend it; None if it does."""
+def mixed_sheets(state: FitState, fitter: Fitter) -> tuple[Mixed | None, FitState | None]:
+    """Where the surface mixes sheets up and the first round of a fitter does not mend it.
+
+    Returns
+    -------
+    mixed : None where it mixes none up, or the round mends it.
+    advanced : the state after that round, None where none was needed.
+    """
     if mixed(state).share <= MIXED:
-        return None
-    found = mixed(fitter.advance(state))
-    return found if found.share > MIXED else None
+        return None, None
+    advanced = fitter.advance(state)
+    found = mixed(advanced)
+    return (found if found.share > MIXED else None), advanced

@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,39 +34,57 @@ def started(target: Target, settings: FitSettings) -> tuple[Target, ControlMesh]
     return target, _decimated(target, settings, settings.control_vertices)
 
 
-def parted(state: FitState, settings: FitSettings, fitter: Callable[[], Fitter]) -> FitState:
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Where a fit begins.
+
+    Attributes
+    ----------
+    state : the first state.
+    fitter : the method, ready for its first round, or for its second where the first is known.
+    advanced : the state after the first round; None where that was not looked at.
+    """
+
+    state: FitState
+    fitter: Fitter
+    advanced: FitState | None
+
+
+def parted(state: FitState, settings: FitSettings, fitter: Callable[[], Fitter]) -> Start:
     """The first state, or one of another control mesh where it would mix up the sheets of thin parts.
 
-    A round by a new `fitter` shows whether they stay mixed up.
+    The first round of a new `fitter` shows whether they stay mixed up.
     """
     state = _excused(state, settings)
     if settings.control_vertices is not None:
-        return state
+        return Start(state, fitter(), None)
     if settings.method == "lavoue":
-        found = mixed_sheets(state, fitter())
+        trial = fitter()
+        found, advanced = mixed_sheets(state, trial)
         if found is None or found.share <= LOST:
-            return state
+            return Start(state, trial, advanced)
         logger.warning("%s", DECIMATED)
         state = _begun_again(state, settings, _decimated(state.data.target, settings, None))
     return _parted_by_more(state, settings, fitter)
 
 
-def _parted_by_more(state: FitState, settings: FitSettings, fitter: Callable[[], Fitter]) -> FitState:
+def _parted_by_more(state: FitState, settings: FitSettings, fitter: Callable[[], Fitter]) -> Start:
     """The state with more control vertices, and again, where sheets are mixed up."""
     target = state.data.target
     most = min(LARGEST_SHARE * len(target.used), settings.max_control_vertices or np.inf)
     weights = np.ones(len(target.points))
     for _ in range(REFININGS):
-        found = mixed_sheets(state, fitter())
+        trial = fitter()
+        found, advanced = mixed_sheets(state, trial)
         if found is None:
-            break
+            return Start(state, trial, advanced)
         mesh = state.surface.control_mesh
         wanted = len(mesh.points) + int(found.near(mesh.points).sum())
         if wanted > most:
-            break
+            return Start(state, trial, advanced)
         weights[found.near(target.points)] *= DOUBLING
         state = _begun_again(state, settings, _decimated(target, settings, wanted, weights))
-    return state
+    return Start(state, fitter(), None)
 
 
 def _decimated(
