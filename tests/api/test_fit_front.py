@@ -79,6 +79,19 @@ def test_progress_is_told_of_usable_control_meshes(sphere):
     assert last.max == pytest.approx(steps[-1].max, rel=1e-3)
 
 
+def test_an_interrupt_while_thinning_returns_the_lightest_so_far(sphere):
+    counts = []
+
+    def interrupt(step):
+        counts.append(step.control_vertices)
+        if step.stage == "thin":
+            raise KeyboardInterrupt
+
+    result = subdfit.fit(sphere, max_error="0.1%", thin=True, progress=interrupt)
+    assert result.status == "interrupted"
+    assert len(result.control_mesh.points) == counts[-1] < counts[-2]
+
+
 def test_an_interrupt_returns_the_best_so_far(sphere):
     def interrupt(step):
         if step.iteration == 1:

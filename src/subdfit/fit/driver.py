@@ -77,15 +77,24 @@ class _Run:
     first_within: tuple[int, int] | None = None
 
     def record(self, stage: str, state: FitState, fitter: Fitter) -> None:
-        """Note an iteration, keep the best state, tell the caller."""
+        """Note an iteration, and keep the state if it is the best."""
+        standing = self._standing(state, fitter)
+        if standing < self.best_standing:
+            self.best, self.best_standing, self.best_iteration = state, standing, len(self.history)
+        self._note(stage, state)
+
+    def record_lighter(self, state: FitState) -> None:
+        """Note and keep a state that is lighter than the best and holds what that holds."""
+        self.best = state
+        self._note("thin", state)
+
+    def _note(self, stage: str, state: FitState) -> None:
+        """Add a row to the history, and tell the caller."""
         errors = state.errors
         elapsed = time.perf_counter() - self.begun - (compile_clock.seconds - self.compiled)
         count = state.surface.topology.vertex_count
         row = Iteration(len(self.history), count, errors.max, errors.rms, errors.mean, elapsed)
         self.history.append(row)
-        standing = self._standing(state, fitter)
-        if standing < self.best_standing:
-            self.best, self.best_standing, self.best_iteration = state, standing, row.iteration
         logger.debug("%s %d: %d vertices, max %.3e, rms %.3e", stage, row.iteration, count, errors.max, errors.rms)
         if self.callback is not None:
             mesh = self.outside(state)
@@ -181,7 +190,7 @@ def fit_target(
         run.record("start", start.state, start.fitter)
         state, measurement = _iterate(run, start)
         if measurement is not None and (settings.thin or settings.method == "lavoue"):
-            state, measurement = _thinned(run, state, measurement, start.fitter)
+            state, measurement = _thinned(run, state, measurement)
     except KeyboardInterrupt:
         if run.best is None:
             raise
@@ -222,12 +231,12 @@ def _strays(measurement: Measurement, tolerance: Tolerance) -> float:
     return 0.0 if tolerance.max is None else measurement.reverse_excess / tolerance.max
 
 
-def _thinned(run: _Run, state: FitState, measurement: Measurement, fitter: Fitter) -> tuple[FitState, Measurement]:
+def _thinned(run: _Run, state: FitState, measurement: Measurement) -> tuple[FitState, Measurement]:
     """The lightest fit with a certificate; the given one, which is measured, where there is none."""
     tolerance = run.settings.tolerance
     lighter = []
     for found in Thinning(run.settings).lighter(state):
-        run.record("thin", found, fitter)
+        run.record_lighter(found)
         lighter.append(found)
     for found in reversed(lighter):
         measured = _measured(run, found)
