@@ -18,8 +18,10 @@ print(f"{finer.topology.vertex_count} vertices; the limit surface lies at most {
 a, b = subdfit.LimitSurface("cage.obj"), subdfit.LimitSurface("cage_finer.ply")
 print(f"the same surface: {a.closest(b.evaluate([0, 50], [[0.2, 0.3], [0.6, 0.1]]).position).distance.max():.1e}")
 
-# Renderers and slicers want triangles: these lie on the surface, with its exact normals.
-mesh = subdfit.LimitSurface("cage.obj").tessellate(4)
-subdfit.write("surface.glb", mesh)
+# Renderers and slicers want triangles: these lie on the surface, with its exact normals. Renderers want each side of a
+# crease to have its own, slicers one closed mesh.
+surface = subdfit.LimitSurface("cage.obj")
+mesh = surface.tessellate(4)
+subdfit.write("surface.glb", surface.tessellate(4, apart=True))
 subdfit.write("surface.stl", mesh)
 print(f"{len(mesh.triangles)} triangles written")

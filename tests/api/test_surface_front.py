@@ -1,7 +1,10 @@
 """`subdfit.LimitSurface` and `subdfit.subdivide`: the surface is the same however one asks."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+import trimesh
 
 import subdfit
 from subdfit.api import memory
@@ -41,6 +44,88 @@ def test_tessellation_lies_on_the_surface(cage, level):
     np.testing.assert_allclose(np.linalg.norm(drawn.normals, axis=1), 1.0)
     outward = np.einsum("ij,ij->i", drawn.normals, drawn.points)
     assert (outward > 0).all()
+
+
+def sharp_cube():
+    """A cube whose edges are all creases, one of them only as far as a dart."""
+    corners = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
+    faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    edges = np.unique([sorted((f[i], f[i - 1])) for f in faces for i in range(4)], axis=0)
+    data = subdfit.api.mesh_data((corners, faces))
+    return replace(data, crease_edges=edges, crease_sharpness=np.full(12, np.inf), scheme="catmull-clark")
+
+
+def facet_normals(drawn):
+    """Unit normals of the triangles."""
+    a, b, c = drawn.points[drawn.triangles].transpose(1, 0, 2)
+    normal = np.cross(b - a, c - a)
+    return normal / np.linalg.norm(normal, axis=1, keepdims=True)
+
+
+@pytest.mark.parametrize("level", [0, 1, 3])
+def test_apart_each_side_of_a_crease_has_its_normals(level):
+    surface = subdfit.LimitSurface(sharp_cube())
+    joined, apart = surface.tessellate(level), surface.tessellate(level, apart=True)
+    np.testing.assert_array_equal(joined.points[joined.triangles], apart.points[apart.triangles])
+    own = np.einsum("tcx,tx->tc", apart.normals[apart.triangles], facet_normals(apart))
+    np.testing.assert_allclose(own, 1.0)
+    side = 2**level + 1
+    assert len(apart.points) == 6 * side**2
+    assert len(joined.points) == 6 * side**2 - 12 * side + 8
+
+
+def test_what_is_smooth_stays_joined_apart(cage):
+    """Three sharp edges in sequence: their inner vertices come twice, the ends once, as all others do."""
+    surface = subdfit.LimitSurface(
+        subdfit.ControlMesh.from_triangles(POINTS, FACES, crease_edges=[[0, 1], [1, 3], [3, 4]])
+    )
+    joined, apart = surface.tessellate(2), surface.tessellate(2, apart=True)
+    assert len(apart.points) == len(joined.points) + 3 * 4 - 1
+    smooth = subdfit.LimitSurface(subdfit.ControlMesh.from_triangles(POINTS, FACES))
+    assert len(smooth.tessellate(2, apart=True).points) == len(smooth.tessellate(2).points)
+
+
+@pytest.mark.parametrize("extension", [".glb", ".stl"])
+def test_polygons_are_cut_for_formats_of_triangles(tmp_path, extension):
+    path = tmp_path / f"cube{extension}"
+    subdfit.write(path, subdfit.subdivide(sharp_cube(), 1))
+    assert len(trimesh.load_mesh(path).faces) == 2 * 24
+
+
+BAD_PLACES = [
+    ([0.9], [[0.2, 0.2]], "whole numbers"),
+    ([2**32], [[0.2, 0.2]], "face 4294967296"),
+    ([-1], [[0.2, 0.2]], "face -1"),
+    ([[0, 0]], [[0.2, 0.2]], "give \\(k,\\)"),
+    ([0, 1], [[0.2, 0.2]], "one pair a face"),
+    ([0], [[0.2, 0.2, 0.2]], "give \\(k, 2\\)"),
+    ([0], "here", "no numbers"),
+    ([0], [[0.2, np.nan]], "not on the surface"),
+]
+
+
+@pytest.mark.parametrize(("face", "uv", "match"), BAD_PLACES)
+def test_places_that_are_not_on_the_surface(cage, face, uv, match):
+    surface = subdfit.LimitSurface(cage)
+    for ask in (surface.evaluate, surface.weights, surface.curvatures, surface.normals):
+        with pytest.raises(InputError, match=match):
+            ask(face, uv)
+
+
+@pytest.mark.parametrize("order", [-1, 6, 100, 1.0, "1", True, None])
+def test_derivatives_that_there_are_none_of(cage, order):
+    surface = subdfit.LimitSurface(cage)
+    for ask in (surface.evaluate, surface.weights):
+        with pytest.raises(InputError, match="give a whole number from 0 to"):
+            ask([0], [[0.2, 0.2]], order)
+
+
+@pytest.mark.parametrize("scheme", [3, "lop", ["loop"]])
+def test_what_is_no_scheme(cage, scheme):
+    with pytest.raises(InputError, match="choose one of loop"):
+        subdfit.LimitSurface(cage, scheme)
+    with pytest.raises(InputError, match="choose one of loop"):
+        subdfit.fit(cage, scheme=scheme)
 
 
 @pytest.mark.parametrize("level", [-1, 9, 1.5])

@@ -1,14 +1,20 @@
 """Reading and writing, for callers."""
 
 import os
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
 from subdfit import io
 from subdfit.api.surface import Tessellation
+from subdfit.api.triangulate import triangles_of
 from subdfit.errors import InputError
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.mesh.data import MeshData
+
+TRIANGLES = (".stl", ".glb")
+"""Formats of triangles only."""
 
 
 def read(path: str | os.PathLike[str]) -> MeshData:
@@ -33,10 +39,11 @@ def write(path: str | os.PathLike[str], mesh: ControlMesh | MeshData | Tessellat
     Parameters
     ----------
     path
-        ``.obj``, ``.ply``, ``.json`` keep scheme, creases and corners; ``.off`` faces only; ``.stl`` and ``.glb`` take
-        a tessellation.
+        ``.obj``, ``.ply``, ``.json`` keep scheme, creases and corners; ``.off`` faces only; ``.stl`` and ``.glb``
+        triangles, into which polygons are cut.
     mesh
-        A control mesh, arrays, or what `LimitSurface.tessellate` gives.
+        A control mesh, arrays, or what `LimitSurface.tessellate` gives: of a control mesh its polygons are written, not
+        its limit surface.
 
     Raises
     ------
@@ -45,7 +52,11 @@ def write(path: str | os.PathLike[str], mesh: ControlMesh | MeshData | Tessellat
     MachineError
         The file cannot be written.
     """
-    io.write(os.fspath(path), _arrays(mesh))
+    data = _arrays(mesh)
+    if Path(path).suffix.lower() in TRIANGLES and not data.triangles_only:
+        triangles = triangles_of(data)
+        data = replace(data, face_offsets=3 * np.arange(len(triangles) + 1), face_vertices=triangles.ravel())
+    io.write(os.fspath(path), data)
 
 
 def tessellation_data(tessellation: Tessellation) -> MeshData:

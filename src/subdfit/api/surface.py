@@ -12,9 +12,9 @@ from subdfit.api.targets import check_count
 from subdfit.closest.projection import Projection, Projector
 from subdfit.errors import InputError
 from subdfit.limit import surface as limit
-from subdfit.limit.tessellate import lattice, manifold_triangles
+from subdfit.limit.tessellate import lattice, lattice_apart, manifold_triangles
 from subdfit.mesh.control_mesh import ControlMesh
-from subdfit.schemes import Scheme
+from subdfit.schemes import Scheme, scheme_named
 from subdfit.target.frame import Frame
 
 Floats = NDArray[np.float64]
@@ -27,7 +27,7 @@ class Tessellation(NamedTuple):
     ----------
     points : (n, 3) float64, on the surface, in the control points' unit.
     triangles : (t, 3) int32, rows of `points`, oriented as the control mesh.
-    normals : (n, 3) float64, the surface's unit normals; on a crease those of one side.
+    normals : (n, 3) float64, the surface's unit normals; where a vertex is shared across a crease, those of one side.
     """
 
     points: Floats
@@ -64,7 +64,7 @@ class LimitSurface(limit.LimitSurface):
     """
 
     def __init__(self, control_mesh: ControlMesh | MeshSource, scheme: str | Scheme | None = None) -> None:
-        name = scheme if scheme is None or isinstance(scheme, str) else scheme.name
+        name = None if scheme is None else scheme_named(scheme).name
         super().__init__(control_mesh_of(control_mesh, name), scheme)
 
     def closest(self, points: ArrayLike) -> Projection:
@@ -92,8 +92,16 @@ class LimitSurface(limit.LimitSurface):
         found = self._projector.certain(frame.inside(data))
         return Projection(found.face, found.uv, found.distance * frame.diagonal, found.converged)
 
-    def tessellate(self, level: int) -> Tessellation:
+    def tessellate(self, level: int, *, apart: bool = False) -> Tessellation:
         """Cut a triangle cell into ``4**level`` triangles, a quad into twice as many, all vertices on the surface.
+
+        Parameters
+        ----------
+        level
+            0 to 8.
+        apart
+            Cut the triangles apart along creases: a vertex on a crease comes once for each side, with the normal of
+            that side, as drawing needs it. Otherwise triangles share all vertices, and are a manifold.
 
         Raises
         ------
@@ -106,6 +114,11 @@ class LimitSurface(limit.LimitSurface):
         segments = 2**level
         grid = lattice(self.domain, segments)
         points = self.evaluate(grid.face, grid.uv).position
+        if apart:
+            sides = lattice_apart(self.domain, segments)
+            copies = np.empty((len(sides.face), 3))
+            copies[sides.triangles] = points[grid.triangles]
+            return Tessellation(copies, sides.triangles, self.normals(sides.face, sides.uv))
         triangles = manifold_triangles(self.domain, segments, grid)
         return Tessellation(points, triangles, self.normals(grid.face, grid.uv))
 

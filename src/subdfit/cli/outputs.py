@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 DRAWN = (".stl", ".glb")
 """Formats of the tessellated limit surface."""
+SHADED = (".glb",)
+"""Those that keep its normals."""
 
 DEFAULT_LEVEL = 2
 """Sixteen triangles a face of the control mesh."""
@@ -63,8 +65,11 @@ def write_surface(path: str, mesh: "ControlMesh", surface: "LimitSurface", level
     """Write the control mesh, or the tessellated limit surface where the format or a level asks for it."""
     from subdfit import api
 
-    drawn = level is not None or Path(path).suffix.lower() in DRAWN
-    api.write(path, surface.tessellate(DEFAULT_LEVEL if level is None else level) if drawn else mesh)
+    kind = Path(path).suffix.lower()
+    if level is None and kind not in DRAWN:
+        api.write(path, mesh)
+    else:
+        api.write(path, surface.tessellate(DEFAULT_LEVEL if level is None else level, apart=kind in SHADED))
 
 
 def made_folder(name: str) -> Path:

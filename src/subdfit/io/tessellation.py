@@ -17,7 +17,7 @@ def triangles_of(data: MeshData, path: Path) -> NDArray[np.int64]:
     if data.face_count == 0:
         raise InputError(f"{path.name}: {path.suffix} holds triangles and there are none; write points to .ply")
     if not data.triangles_only:
-        raise InputError(f"{path.name}: {path.suffix} holds triangles only; tessellate the mesh, or write .obj or .ply")
+        raise InputError(f"{path.name}: {path.suffix} holds triangles only; cut the polygons, or write .obj or .ply")
     if data.scheme or len(data.crease_edges) or len(data.corner_vertices):
         logger.warning(
             "%s: %s cannot hold scheme, creases and corners; write .obj to keep them", path.name, path.suffix

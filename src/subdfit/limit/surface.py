@@ -176,8 +176,8 @@ class LimitSurface:
         -------
         Evaluation
             At an irregular corner itself the scheme's derivatives by u and v vanish or diverge: there `first` holds
-            limit tangents along the two edges, and `second` is zero. Towards irregular corners of other valence than
-            three, second derivatives diverge.
+            limit tangents along the two edges, and `second` is zero. Towards irregular corners second derivatives grow
+            without bound, but for Loop's at inner vertices of three faces; see the user's guide.
 
             The tangents span the tangent plane, where there is one. Loop's surface has none beside a crease or boundary
             vertex in a sector (between two sharp edges) of six faces or more, nor beside a corner vertex in a sector of
@@ -187,8 +187,9 @@ class LimitSurface:
         Raises
         ------
         InputError
-            A face that does not exist, or parameters outside the face by more than rounding.
+            A face that does not exist, parameters outside the face by more than rounding, or another `derivatives`.
         """
+        _check_choice(derivatives, "derivatives", 2)
         cell, parameter = self._checked(face, uv)
         order = kernels.order_by_cell(cell, self.domain.face_count)
         position = np.empty((len(cell), 3))
@@ -224,7 +225,13 @@ class LimitSurface:
             As in `evaluate`.
         derivative
             0 for the position, 1 and 2 for the derivatives by u and v, 3 to 5 for those by uu, uv and vv.
+
+        Raises
+        ------
+        InputError
+            As `evaluate`.
         """
+        _check_choice(derivative, "derivative", 5)
         cell, parameter = self._checked(face, uv)
         offsets, columns, values = self.patch_weights(cell, parameter, derivative)
         matrix = self.compiled.table.point_matrix
@@ -254,7 +261,7 @@ class LimitSurface:
             All but the normal is nan at irregular corners themselves and where tangents are parallel. Towards such a
             corner curvatures change by mu / lambda^2 with every halving of the distance, lambda the eigenvalue of the
             tangents there and mu the largest that bends the surface: round inner vertices Catmull-Clark's diverge from
-            five faces on and tend to zero at three, Loop's diverge from seven on, and like a logarithm at three.
+            five faces on and tend to zero at three, Loop's diverge from seven on and double each time at three.
 
         Raises
         ------
@@ -287,11 +294,35 @@ class LimitSurface:
         return found
 
     def _checked(self, face: ArrayLike, uv: ArrayLike) -> tuple[NDArray[np.int32], Floats]:
-        cell = np.ascontiguousarray(np.atleast_1d(face), np.int32)
-        parameter = np.ascontiguousarray(np.asarray(uv, np.float64).reshape(-1, 2))
-        if len(cell) != len(parameter):
-            raise InputError(f"{len(cell)} faces but {len(parameter)} parameter pairs; give one pair a face")
+        given = np.atleast_1d(face)
+        parameter = np.ascontiguousarray(_numbers(uv, "parameters")).reshape(-1, 2)
+        if given.ndim != 1:
+            raise InputError(f"faces have the shape {given.shape}; give (k,)")
+        if len(given) != len(parameter):
+            raise InputError(f"{len(given)} faces but {len(parameter)} parameter pairs; give one pair a face")
+        if len(given) and not np.issubdtype(given.dtype, np.integer):
+            raise InputError(f"faces are whole numbers; got {given.dtype}")
+        # What does not fit in 32 bits must not become another face.
+        within = given if given.dtype == np.int32 else np.clip(given, -1, self.domain.face_count)
+        cell = np.ascontiguousarray(within, np.int32)
         bad = kernels.first_outside(cell, parameter, self.domain.shape, 1e-9)
         if bad >= 0:
-            raise InputError(f"row {bad}: face {cell[bad]} with parameters {parameter[bad]} is not on the surface")
+            raise InputError(f"row {bad}: face {given[bad]} with parameters {parameter[bad]} is not on the surface")
         return cell, parameter
+
+
+def _check_choice(given: int, name: str, most: int) -> None:
+    """Raise InputError unless a number is whole and from 0 to `most`."""
+    if isinstance(given, bool) or not isinstance(given, int | np.integer) or not 0 <= given <= most:
+        raise InputError(f"{name} is {given!r}; give a whole number from 0 to {most}")
+
+
+def _numbers(given: ArrayLike, name: str) -> Floats:
+    """Pairs of numbers as an array; raises InputError where these are none."""
+    try:
+        numbers = np.asarray(given, np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} are no numbers; give an array of shape (k, 2)") from None
+    if numbers.size % 2 or (numbers.ndim > 1 and numbers.shape[-1] != 2):
+        raise InputError(f"{name} have the shape {numbers.shape}; give (k, 2)")
+    return numbers

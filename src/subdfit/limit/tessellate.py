@@ -4,7 +4,9 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
 
 from subdfit.errors import InputError
 from subdfit.schemes.domain import QUAD, TRIANGLE, Domain
@@ -31,14 +33,48 @@ class Lattice(NamedTuple):
     begin: NDArray[np.int64]
 
 
+class _Nodes(NamedTuple):
+    """The nodes of cells' lattices, cell by cell.
+
+    Attributes
+    ----------
+    face, uv : (k,) int64 and (k, 2) float64, where each lies.
+    number : (k,) int64, the same where cells share a point.
+    triangles, begin : as of a `Lattice`, in rows of the nodes.
+    """
+
+    face: Nodes
+    uv: NDArray[np.float64]
+    number: Nodes
+    triangles: Nodes
+    begin: Nodes
+
+
 def lattice(domain: Domain, segments: int, some: NDArray[np.bool_] | None = None) -> Lattice:
     """Cut the sides of all cells, or of the flagged ones (f,), into `segments` parts.
 
     Raises InputError unless that is 1 or more.
     """
+    wanted = np.ones(domain.face_count, np.bool_) if some is None else some
+    nodes = _nodes(domain, segments, wanted)
+    return _welded(nodes, nodes.number)
+
+
+def lattice_apart(domain: Domain, segments: int) -> Lattice:
+    """The lattice of all cells with a vertex for each side of a crease.
+
+    Cells have a vertex in common where smooth sides lead from one to the other. Raises InputError as `lattice` does.
+    """
+    nodes = _nodes(domain, segments, np.ones(domain.face_count, np.bool_))
+    links = _smooth_links(domain, nodes, segments)
+    graph = sp.coo_array((np.ones(len(links), np.int8), links.T), shape=(len(nodes.face),) * 2)
+    return _welded(nodes, connected_components(graph, directed=False)[1])
+
+
+def _nodes(domain: Domain, segments: int, wanted: NDArray[np.bool_]) -> _Nodes:
+    """The nodes of the flagged cells' lattices, triangles' before quads'."""
     if segments < 1:
         raise InputError(f"a tessellation needs 1 or more segments a side, not {segments}")
-    wanted = np.ones(domain.face_count, np.bool_) if some is None else some
     begin = np.concatenate([[0], np.cumsum(np.where(domain.shape == QUAD, 2, 1) * segments**2 * wanted)])
     triangles = np.empty((begin[-1], 3), np.int64)
     face, uv = np.empty(0, np.int64), np.empty((0, 2))
@@ -47,18 +83,48 @@ def lattice(domain: Domain, segments: int, some: NDArray[np.bool_] | None = None
     for shape in (TRIANGLE, QUAD):
         cells = np.flatnonzero(wanted & (domain.shape == shape))
         nodes, cuts = grid_nodes(shape, segments), cut(shape, segments)
-        rows = _weld(domain, cells, nodes, segments, inner)
-        inner += len(cells) * len(nodes)
+        rows = len(face) + np.arange(len(cells) * len(nodes)).reshape(len(cells), len(nodes))
         place = begin[cells][:, None] + np.arange(len(cuts))
         triangles[place.ravel()] = rows[:, cuts].reshape(-1, 3)
-        numbers = np.concatenate([numbers, rows.ravel()])
+        numbers = np.concatenate([numbers, _weld(domain, cells, nodes, segments, inner).ravel()])
+        inner += len(cells) * len(nodes)
         face = np.concatenate([face, np.repeat(cells, len(nodes))])
         uv = np.concatenate([uv, np.tile(nodes / segments, (len(cells), 1))])
-    first = np.full(inner, -1, np.int64)
-    first[numbers[::-1]] = np.arange(len(numbers))[::-1]
+    return _Nodes(face, uv, numbers, triangles, begin)
+
+
+def _welded(nodes: _Nodes, number: NDArray[np.integer]) -> Lattice:
+    """One vertex for all nodes of a number, (k,), where the first of them lies."""
+    first = np.full(int(number.max(initial=-1)) + 1, -1, np.int64)
+    first[number[::-1]] = np.arange(len(number))[::-1]
     used = first >= 0
     renumber = np.cumsum(used, dtype=np.int32) - np.int32(1)
-    return Lattice(face[first[used]].astype(np.int32), uv[first[used]], renumber[triangles], begin)
+    triangles = renumber[number[nodes.triangles]]
+    return Lattice(nodes.face[first[used]].astype(np.int32), nodes.uv[first[used]], triangles, nodes.begin)
+
+
+def _smooth_links(domain: Domain, nodes: _Nodes, segments: int) -> Nodes:
+    """Pairs of nodes, (p, 2), that are one point seen from both sides of a side that is not sharp."""
+    across = (domain.neighbour >= 0) & ~domain.sharp
+    at = np.round(nodes.uv * segments).astype(np.int64)
+    key = nodes.face * (int(nodes.number.max(initial=0)) + 1) + nodes.number
+    order = np.argsort(key, kind="stable")
+    found = [np.empty((0, 2), np.int64)]
+    for shape in (TRIANGLE, QUAD):
+        for side, flags in enumerate(_on_sides(shape, at, segments)):
+            own = np.flatnonzero(flags & (domain.shape[nodes.face] == shape) & across[nodes.face, side])
+            beyond = domain.neighbour[nodes.face[own], side].astype(np.int64)
+            wanted = beyond * (int(nodes.number.max(initial=0)) + 1) + nodes.number[own]
+            found.append(np.column_stack([own, order[np.searchsorted(key[order], wanted)]]))
+    return np.concatenate(found)
+
+
+def _on_sides(shape: int, at: Nodes, segments: int) -> list[NDArray[np.bool_]]:
+    """Which nodes (i, j), (k, 2), lie on each side of a cell."""
+    i, j = at.T
+    if shape == QUAD:
+        return [j == 0, i == segments, j == segments, i == 0]
+    return [j == 0, i + j == segments, i == 0]
 
 
 def manifold_triangles(domain: Domain, segments: int, grid: Lattice) -> NDArray[np.int32]:

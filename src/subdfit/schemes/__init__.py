@@ -22,8 +22,8 @@ __all__ = ["SCHEMES", "Refinement", "Scheme", "scheme_named"]
 
 def scheme_named(name: str | Scheme) -> Scheme:
     """Return the scheme of that name (a scheme is returned as it is); raises InputError for an unknown name."""
-    if not isinstance(name, str):
+    if isinstance(name, Scheme):
         return name
-    if name not in SCHEMES:
-        raise InputError(f"unknown scheme '{name}'; choose one of {', '.join(SCHEMES)}")
+    if not isinstance(name, str) or name not in SCHEMES:
+        raise InputError(f"unknown scheme {name!r}; choose one of {', '.join(SCHEMES)}")
     return SCHEMES[name]

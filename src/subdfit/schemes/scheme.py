@@ -1,7 +1,7 @@
 """What a subdivision scheme is: the protocol that everything above works with."""
 
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
 import scipy.sparse as sp
@@ -66,6 +66,7 @@ class Refinement:
         return self.rows.apply(points)
 
 
+@runtime_checkable
 class Scheme(Protocol):
     """A subdivision scheme: rules that depend on connectivity alone, linear in the control points."""
 
