@@ -97,7 +97,7 @@ class _Run:
         self.history.append(row)
         logger.debug("%s %d: %d vertices, max %.3e, rms %.3e", stage, row.iteration, count, errors.max, errors.rms)
         if self.callback is not None:
-            mesh = self.outside(state)
+            mesh = self.outside(state.surface)
             self.callback(Progress(stage, row.iteration, count, errors.max, errors.rms, elapsed, mesh))
 
     def _standing(self, state: FitState, fitter: Fitter) -> tuple[int, float]:
@@ -128,10 +128,10 @@ class _Run:
         """The state with its outliers left out, where that is allowed."""
         return state.excusing(self.settings.robust, self.settings.tolerance.max)
 
-    def outside(self, state: FitState) -> ControlMesh:
-        """The state's control mesh in the target's coordinates."""
-        mesh = state.surface.control_mesh
-        return ControlMesh(mesh.topology, self.frame.outside(mesh.points), state.surface.scheme.name)
+    def outside(self, surface: LimitSurface) -> ControlMesh:
+        """The surface's control mesh in the target's coordinates."""
+        mesh = surface.control_mesh
+        return ControlMesh(mesh.topology, self.frame.outside(mesh.points), surface.scheme.name)
 
     def timed(self, stage: str, since: float) -> None:
         """Add the time since `since` to a stage."""
@@ -189,14 +189,15 @@ def fit_target(
     try:
         run.record("start", start.state, start.fitter)
         state, measurement = _iterate(run, start)
+        surface = state.surface
         if measurement is not None and (settings.thin or settings.method == "lavoue"):
-            state, measurement = _thinned(run, state, measurement)
+            surface, measurement = _thinned(run, state, measurement)
     except KeyboardInterrupt:
         if run.best is None:
             raise
-        interrupted, state = True, run.best
+        interrupted, surface = True, run.best.surface
     run.timed("fit", clock)
-    return _result(run, state, measurement or _measured(run, state), interrupted, unit)
+    return _result(run, surface, measurement or _measured(run, surface, data.target), interrupted, unit)
 
 
 def _iterate(run: _Run, start: Start) -> tuple[FitState, Measurement | None]:
@@ -205,7 +206,7 @@ def _iterate(run: _Run, start: Start) -> tuple[FitState, Measurement | None]:
     state, fitter, advanced = start.state, start.fitter, start.advanced
     for _ in range(settings.max_iterations):
         if within(state, settings.tolerance) and fitter.stray(state) <= 1:
-            measurement = _measured(run, state)
+            measurement = _measured(run, state.surface, state.data.target)
             if not measurement.meets(settings.tolerance):
                 state = run.excused(state.verified())
             elif closer < CLOSER and (strays := _strays(measurement, settings.tolerance)) > 1:
@@ -223,7 +224,7 @@ def _iterate(run: _Run, start: Start) -> tuple[FitState, Measurement | None]:
     assert run.best is not None
     # The certificate asks for no curves.
     held = run.best_standing[0] <= 1 and run.best_standing[1] <= 1
-    return run.best, _measured(run, run.best) if held else None
+    return run.best, _measured(run, run.best.surface, run.best.data.target) if held else None
 
 
 def _strays(measurement: Measurement, tolerance: Tolerance) -> float:
@@ -231,31 +232,34 @@ def _strays(measurement: Measurement, tolerance: Tolerance) -> float:
     return 0.0 if tolerance.max is None else measurement.reverse_excess / tolerance.max
 
 
-def _thinned(run: _Run, state: FitState, measurement: Measurement) -> tuple[FitState, Measurement]:
+def _thinned(run: _Run, state: FitState, measurement: Measurement) -> tuple[LimitSurface, Measurement]:
     """The lightest fit with a certificate; the given one, which is measured, where there is none."""
-    tolerance = run.settings.tolerance
-    lighter = []
+    tolerance, lighter = run.settings.tolerance, []
     for found in Thinning(run.settings).lighter(state):
         run.record_lighter(found)
-        lighter.append(found)
-    for found in reversed(lighter):
-        measured = _measured(run, found)
+        # Only the mesh: what surfaces are compiled to would take gigabytes.
+        lighter.append(found.surface.control_mesh)
+    for mesh in reversed(lighter):
+        surface = LimitSurface(mesh, state.surface.scheme)
+        measured = _measured(run, surface, state.data.target)
         if measured.certifies(tolerance) or (measured.meets(tolerance) and not measurement.certifies(tolerance)):
-            return found, measured
-    return state, measurement
+            return surface, measured
+    return state.surface, measurement
 
 
-def _measured(run: _Run, state: FitState) -> Measurement:
-    """The measurement of a state, from nothing."""
+def _measured(run: _Run, surface: LimitSurface, target: Target) -> Measurement:
+    """The measurement of a surface, from nothing."""
     clock = time.perf_counter()
     settings = run.settings
     allowed = Outliers(settings.robust, settings.tolerance.max)
-    found = measure(state.surface, state.data.target, settings.sample_spacing, run.frame.diagonal, allowed)
+    found = measure(surface, target, settings.sample_spacing, run.frame.diagonal, allowed)
     run.timed("certificate", clock)
     return found
 
 
-def _result(run: _Run, state: FitState, measurement: Measurement, interrupted: bool, unit: str | None) -> FitResult:
+def _result(
+    run: _Run, surface: LimitSurface, measurement: Measurement, interrupted: bool, unit: str | None
+) -> FitResult:
     tolerance = run.settings.tolerance
     certified = measurement.certifies(tolerance)
     status: Status = (
@@ -264,5 +268,5 @@ def _result(run: _Run, state: FitState, measurement: Measurement, interrupted: b
     run.seconds["compile"] = compile_clock.seconds - run.compiled
     run.seconds["total"] = time.perf_counter() - run.begun - run.seconds["compile"]
     return FitResult(
-        run.outside(state), status, certified, measurement, tuple(run.history), run.settings, run.seconds, unit
+        run.outside(surface), status, certified, measurement, tuple(run.history), run.settings, run.seconds, unit
     )
