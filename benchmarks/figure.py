@@ -7,6 +7,7 @@ import numpy as np
 import subdfit
 from benchmarks.interpolation import TABLE_1, cube_with_hole, model
 from subdfit.draw.camera import camera_for
+from subdfit.draw.cloud_picture import dots
 from subdfit.draw.fit_picture import SURFACE
 from subdfit.draw.gallery import Panel, gallery
 from subdfit.initial.simplify import simplify
@@ -33,14 +34,13 @@ def column(name: str, count: int, vertices: int) -> list[Panel]:
     polyhedron = subdfit.reconstruct(points, vertices=vertices, keep_data_points=True).mesh
     triangles = polyhedron.face_vertices.reshape(-1, 3)
     surface = subdfit.interpolate(polyhedron, scheme="doo-sabin", creases="none").surface.tessellate(1)
-    some = points[:: -(-len(points) // DOTS)]
-    step = 2e-4 * np.linalg.norm(np.ptp(points, axis=0))
     lines = polyhedron.points[mesh_edges(polyhedron.points, triangles).vertices]
     shown = polyhedron.points, triangles
+    strokes, anchors = dots(points[:: -(-len(points) // DOTS)], shown)
     camera = camera_for(*shown, up=UP.get(name, "y"))
     return [
         Panel(*shown, f"{name}: {len(points):,} points", colors=(0.97, 0.97, 0.96), camera=camera,
-              lines=np.stack([some, some + step], axis=1), line_width=1.2),
+              lines=strokes, line_anchors=anchors, line_width=1.2),
         Panel(*shown, f"polyhedron: {len(polyhedron.points):,} vertices", lines=lines, line_width=0.2, camera=camera),
         Panel(surface.points, surface.triangles, "Doo-Sabin surface through them", colors=SURFACE, camera=camera),
     ]  # fmt: skip

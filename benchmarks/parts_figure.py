@@ -19,8 +19,8 @@ FITS = (
     ("club", {"thin": True}),
     ("rocker-arm", {"method": "lavoue"}),
 )
-STEPS = 8
-"""Pieces of the line that a patch's side is drawn as."""
+LEVEL = 4
+"""Patches are drawn as 4^LEVEL facets or twice as many, and lines along their sides with the facets."""
 EDGE, CREASE = (0.11, 0.15, 0.2), (0.75, 0.22, 0.17)
 """Colours of lines."""
 
@@ -37,7 +37,7 @@ def column(name: str, **how: object) -> list[Panel]:
     mesh, topology = found.control_mesh, found.control_mesh.topology
     flat = mesh.points, triangles_of(mesh.to_data())
     ends = mesh.points[topology.edge_vertices]
-    shown = found.surface.tessellate(4)
+    shown = found.surface.tessellate(LEVEL)
     camera = camera_for(*flat)
     counts = f"{topology.vertex_count} control vertices, {topology.face_count} faces"
     lines, sharp = patch_sides(LimitSurface(mesh))
@@ -54,11 +54,11 @@ def patch_sides(surface: LimitSurface) -> tuple[np.ndarray, np.ndarray]:
     """Short segments along the sides of all patches, (k, 2, 3), and which are sharp, (k,)."""
     domain = surface.domain
     cell, side = np.nonzero(domain.present)
-    knots = np.linspace(0, 1, STEPS + 1)
+    knots = np.linspace(0, 1, 2**LEVEL + 1)
     uv = domain.along(np.repeat(cell, len(knots)), np.repeat(side, len(knots)), np.tile(knots, len(cell)))
     at = surface.evaluate(np.repeat(cell, len(knots)).astype(np.int32), uv).position.reshape(-1, len(knots), 3)
     lines = np.stack([at[:, :-1], at[:, 1:]], axis=2).reshape(-1, 2, 3)
-    return lines, np.repeat(domain.sharp[cell, side], STEPS)
+    return lines, np.repeat(domain.sharp[cell, side], 2**LEVEL)
 
 
 def colors(sharp: np.ndarray) -> np.ndarray:

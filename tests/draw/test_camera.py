@@ -71,3 +71,12 @@ def test_what_cannot_be_framed_is_refused():
         camera_for(BOX, np.empty((0, 3), int))
     with pytest.raises(InputError, match="'x' is not known"):
         camera_for(BOX, FACES, up="x")
+
+
+def test_nearness_is_linear_on_the_picture_of_a_line():
+    camera = camera_for(BOX, FACES)
+    seen = camera.project(np.linspace(BOX[0], BOX[-1], 9)).astype(np.float64)
+    near = camera.nearness(seen[:, 2])
+    share = (seen[:, 0] - seen[0, 0]) / (seen[-1, 0] - seen[0, 0])
+    np.testing.assert_allclose(near, near[0] + share * (near[-1] - near[0]), rtol=1e-6)
+    np.testing.assert_allclose(camera.height(near), seen[:, 2], atol=1e-6)

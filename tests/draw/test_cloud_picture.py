@@ -35,6 +35,12 @@ def test_points_on_the_far_side_are_hidden(tmp_path):
     assert max(seen) > 4 * min(seen)
 
 
+def test_points_below_the_facets_are_seen(tmp_path):
+    front = POINTS[POINTS[:, 2] > 0.3]
+    on, below = (dark(drawn(tmp_path / f"{share}.png", share * front)).sum() for share in (1.0, 0.9))
+    assert below > 0.9 * on
+
+
 def test_each_point_is_a_dot_of_some_pixels(tmp_path):
     mixed = np.random.default_rng(0).permutation(POINTS)
     first, second = mixed[:150], mixed[:300]

@@ -1,4 +1,4 @@
-"""The painter: coverage, occlusion and colours, told from the pixels."""
+"""The renderer: coverage, occlusion and colours, told from the pixels."""
 
 import numpy as np
 import pytest
@@ -6,8 +6,8 @@ from pixels import covered, painted, reddish, sphere
 
 from shapes.parts import can
 from subdfit.draw.camera import camera_for
-from subdfit.draw.depth import DepthPicture
-from subdfit.draw.shading import is_closed, signed_volume, smooth_normals
+from subdfit.draw.depth import DepthPicture, Grid
+from subdfit.draw.shading import is_closed, openness, signed_volume, smooth_normals
 from subdfit.errors import InputError
 
 RED = (0.9, 0.05, 0.05)
@@ -132,14 +132,107 @@ def test_rims_have_the_normals_of_both_sides():
     assert np.einsum("ij,ij->i", found, wall).min() > np.cos(np.radians(4.0))
 
 
-def test_the_depth_picture_knows_what_is_hidden_and_what_is_deep():
+def test_hollows_are_dark():
     x, y = np.meshgrid(np.linspace(0, 1, 300), np.linspace(0, 1, 300))
     pit = -0.03 * np.exp(-((x - 0.5) ** 2 + (y - 0.5) ** 2) / 0.001)
     sheet = np.stack([x, y, pit], axis=2).reshape(-1, 3).astype(np.float32)
-    depth = DepthPicture(sheet, (0.0, 1.0, 0.0, 1.0), 100)
-    points = np.array([[0.2, 0.2, -0.5], [0.2, 0.2, 0.5], [0.5, 0.5, -0.5]], np.float32)
-    np.testing.assert_array_equal(depth.hides(points), [True, False, True])
-    assert not depth.hides(sheet).any()
-    free, deep = depth.openness(np.array([[0.2, 0.2, 0.0], [0.5, 0.5, -0.03]], np.float32))
-    assert free == pytest.approx(1.0, abs=0.01)
-    assert deep < 0.8
+    free = openness(sheet, (0.0, 1.0, 0.0, 1.0), 100).reshape(300, 300)
+    assert free[60, 60] == pytest.approx(1.0, abs=0.01)
+    assert free[150, 150] < 0.8
+
+
+def test_each_sample_sees_the_nearest_of_crossing_triangles():
+    rng = np.random.default_rng(0)
+    points, faces = rng.uniform(-1.0, 1.0, (60, 3)), np.arange(60).reshape(20, 3)
+    camera = camera_for(points, faces, azimuth=10.0, elevation=20.0)
+    left, right, bottom, top = camera.window
+    grid = Grid(left, bottom, (right - left) / 60, 4 * int(15 * (top - bottom) / (right - left)), 60)
+    depth = DepthPicture(camera.project(points), faces, camera, grid)
+    shown = depth.colored(np.eye(20, 3, dtype=np.float32))[:, :, 3]
+    column, row = np.meshgrid(np.arange(grid.columns), np.arange(grid.rows))
+    rays = np.stack([left + (column + 0.5) * grid.cell, bottom + (row + 0.5) * grid.cell], axis=2).reshape(-1, 2)
+    eye = camera.centre + camera.distance * camera.rotation[2]
+    through = camera.centre + rays @ camera.rotation[:2]
+    first = np.full(len(rays), np.inf)
+    for a, b, c in points[faces]:
+        # Where the ray from the eye meets the plane, as shares of the way and of the sides.
+        ways = np.stack(
+            [through - eye, np.broadcast_to(a - b, through.shape), np.broadcast_to(a - c, through.shape)], 2
+        )
+        t, u, v = np.linalg.solve(ways, (a - eye)[None, :, None])[:, :, 0].T
+        met = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0)
+        first[met] = np.minimum(first[met], t[met])
+    met = np.isfinite(first)
+    assert shown.mean() == pytest.approx(met.mean(), abs=2e-3)
+    at = eye + first[met, None] * (through - eye)[met]
+    step = 6.0 * grid.cell * camera.rotation[2]
+    assert not depth.hides(camera.project(at)).any()
+    assert not depth.hides(camera.project(at + step)).any()
+    inside = np.abs(rays[met]).max(axis=1) < 0.3
+    assert depth.hides(camera.project(at[inside] - step)).mean() > 0.5
+
+
+def plate(cells, thickness):
+    """A closed box of width and height 1 on a grid of cells, z from -thickness to 0, its front faces first."""
+    x, y = np.meshgrid(np.linspace(0, 1, cells + 1), np.linspace(0, 1, cells + 1))
+    front = np.stack([x, y, 0 * x], axis=2).reshape(-1, 3)
+    i = np.arange(len(front)).reshape(cells + 1, cells + 1)
+    a, b, c, d = i[:-1, :-1].ravel(), i[:-1, 1:].ravel(), i[1:, 1:].ravel(), i[1:, :-1].ravel()
+    face = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+    rim = np.concatenate([i[0, :-1], i[:-1, -1], i[-1, :0:-1], i[:0:-1, 0]])
+    after, back = np.roll(rim, -1), len(front)
+    wall = np.concatenate([np.stack([rim, rim + back, after], 1), np.stack([after, rim + back, after + back], 1)])
+    return np.vstack([front, front - [0, 0, thickness]]), np.vstack([face, face[:, ::-1] + back, wall])
+
+
+@pytest.mark.parametrize("cells", [1, 8, 60])
+@pytest.mark.parametrize("closed", [True, False])
+def test_lines_on_the_far_side_of_a_thin_plate_leave_no_pixel(cells, closed):
+    points, triangles = plate(cells, 0.01)
+    assert is_closed(triangles)
+    triangles = triangles if closed else triangles[: -4 * cells]
+    across = np.linspace(0.05, 0.95, 7)
+    ends = np.array([[[0.1, t], [0.9, t]] for t in across] + [[[t, 0.1], [t, 0.9]] for t in across])
+    camera = camera_for(points, triangles, azimuth=30.0, elevation=20.0)
+    for z, visible in ((-0.01, False), (0.0, True)):
+        lines = np.concatenate([ends, np.full((len(ends), 2, 1), z)], axis=2)
+        shown = reddish(painted(points, triangles, camera=camera, lines=lines, line_colors=RED, line_width=1.5))
+        assert shown.any() == visible
+
+
+def test_edges_are_seen_whole_however_steep_the_mesh():
+    points, triangles = plate(8, 0.3)
+    front = points[:, 2] == 0.0
+    lines = np.array([[[0.0, k / 8, 0.0], [1.0, k / 8, 0.0]] for k in range(1, 8)])
+    camera = camera_for(points, triangles, azimuth=80.0, elevation=0.0)
+    picture = painted(points, triangles, camera=camera, lines=lines, line_colors=RED, line_width=1.0, inches=2.0)
+    seen = camera.project(points[front])
+    left, right, _, _ = camera.window
+    share = np.ptp(seen[:, 0]) / (right - left)
+    columns = reddish(picture).sum(axis=0)
+    assert (columns >= 7).sum() >= 0.95 * share * picture.shape[1] - 2
+
+
+@pytest.mark.parametrize(("anchor", "visible"), [(None, False), (1.0, True), (-1.0, False)])
+def test_lines_off_the_surface_are_seen_where_their_anchors_are(anchor, visible):
+    lines = np.array([[[-0.1, 0.0, 0.7], [0.1, 0.0, 0.7]]])
+    anchors = None if anchor is None else np.where([False, False, True], anchor, lines)
+    shown = reddish(painted(*BALL, camera=FRONT, lines=lines, line_colors=RED, line_width=2.0, line_anchors=anchors))
+    assert shown.any() == visible
+
+
+@pytest.mark.parametrize("sections", [16, 90])
+def test_the_near_wall_of_an_open_thin_tube_hides_the_far_wall(sections):
+    angle = 2 * np.pi * np.arange(sections) / sections
+    ring = np.stack([0.03 * np.sin(angle), 0 * angle, 0.01 * np.cos(angle)], axis=1)
+    height = np.linspace(0.0, 1.0, 4)
+    points = np.concatenate([ring + np.array([0.0, y, 0.0]) for y in height])
+    i = np.arange(len(points)).reshape(len(height), sections)
+    a, b, c, d = i[:-1], np.roll(i[:-1], -1, 1), np.roll(i[1:], -1, 1), i[1:]
+    quads = np.stack([a, b, c, d], 2).reshape(-1, 4)
+    triangles = np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    far = points[triangles][:, :, 2].mean(axis=1) < 0.0
+    camera = camera_for(points, triangles, azimuth=0.0, elevation=40.0)
+    colors = np.where(far[:, None], RED, 0.7)
+    shown = painted(points, triangles, camera=camera, colors=colors, inches=0.5)
+    assert not reddish(shown)[len(shown) // 10 :].any()

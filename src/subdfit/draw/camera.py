@@ -37,9 +37,16 @@ class Camera:
     def project(self, points: NDArray[np.floating]) -> NDArray[np.float32]:
         """Return (n, 3): right and up on the picture, and the height over the picture plane (larger is nearer)."""
         seen = (np.asarray(points, np.float64) - self.centre) @ self.rotation.T
-        before_eye = np.maximum(self.distance - seen[:, 2], 0.1 * self.distance)
-        seen[:, :2] *= (self.distance / before_eye)[:, None]
+        seen[:, :2] *= self.nearness(seen[:, 2])[:, None]
         return seen.astype(np.float32)
+
+    def nearness(self, height: NDArray[np.floating]) -> NDArray[np.float64]:
+        """Return the scale at which heights are seen, 1 in the plane through `centre`; linear on pictures of planes."""
+        return self.distance / np.maximum(self.distance - np.asarray(height, np.float64), 0.1 * self.distance)
+
+    def height(self, nearness: NDArray[np.floating]) -> NDArray[np.float64]:
+        """Return the heights that are seen at a scale."""
+        return self.distance - self.distance / np.asarray(nearness, np.float64)
 
     @property
     def aspect(self) -> float:

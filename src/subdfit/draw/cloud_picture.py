@@ -7,12 +7,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from subdfit.draw.camera import camera_for
-from subdfit.draw.fit_picture import SURFACE
+from subdfit.draw.fit_picture import SURFACE, Mesh
 from subdfit.draw.gallery import Panel, gallery
+from subdfit.target.bvh import TriangleTree
 from subdfit.target.features import mesh_edges
 from subdfit.wording import counted
 
-DOT = 2e-4
+_DOT = 2e-4
 """Length of the stroke that stands for a point, as a share of the diagonal: its round ends make a dot."""
 
 GROUND = (0.97, 0.97, 0.96)
@@ -23,7 +24,7 @@ def cloud_picture(
     path: str | Path,
     *,
     points: ArrayLike,
-    mesh: tuple[ArrayLike, ArrayLike],
+    mesh: Mesh,
     surface: tuple[ArrayLike, ArrayLike, ArrayLike | None, int] | None = None,
     title: str = "",
 ) -> None:
@@ -48,7 +49,7 @@ def cloud_picture(
     """
     cloud = np.asarray(points, np.float64)
     vertices, triangles = np.asarray(mesh[0], np.float64), np.asarray(mesh[1], np.int64)
-    panels = [_points_panel(cloud, vertices, triangles), _polyhedron_panel(vertices, triangles)]
+    panels = [_points_panel(cloud, (vertices, triangles)), _polyhedron_panel(vertices, triangles)]
     if surface is not None:
         caption = f"surface: {counted(surface[3], 'control vertex')}"
         panels.append(Panel(surface[0], surface[1], caption, colors=SURFACE, lines=surface[2], line_width=0.5))
@@ -63,15 +64,28 @@ def _together(panels: list[Panel]) -> tuple[NDArray[np.float64], NDArray[np.int6
     return np.concatenate([np.asarray(panel.vertices, np.float64) for panel in panels]), np.concatenate(triangles)
 
 
-def _points_panel(cloud: NDArray[np.float64], vertices: NDArray[np.float64], triangles: NDArray[np.int64]) -> Panel:
-    """The points, before the polyhedron that hides those behind it."""
-    diagonal = float(np.linalg.norm(np.ptp(cloud, axis=0)))
+def dots(points: NDArray[np.float64], mesh: Mesh) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lines that stand for points near a mesh, and their anchors, for `Panel`.
+
+    Points are seen where the nearest place on the mesh is, even if they lie below its facets.
+    """
+    vertices, triangles = np.asarray(mesh[0], np.float64), np.asarray(mesh[1], np.int64)
+    nearest = TriangleTree(vertices, triangles).closest(points)
+    shares = np.column_stack([1.0 - nearest.uv.sum(axis=1), nearest.uv])
+    feet = np.einsum("pc,pci->pi", shares, vertices[triangles[nearest.triangle]])
+    stroke = np.array([0.0, _DOT * np.linalg.norm(np.ptp(points, axis=0))])[None, :, None]
+    return points[:, None] + stroke, feet[:, None] + stroke
+
+
+def _points_panel(cloud: NDArray[np.float64], mesh: Mesh) -> Panel:
+    """The points, before the polyhedron that hides those on its far side."""
+    lines, anchors = dots(cloud, mesh)
     return Panel(
-        vertices,
-        triangles,
+        *mesh,
         counted(len(cloud), "point"),
         colors=GROUND,
-        lines=np.stack([cloud, cloud + DOT * diagonal], axis=1),
+        lines=lines,
+        line_anchors=anchors,
         line_width=float(np.clip(1.6 * (10_000 / max(len(cloud), 1)) ** 0.5, 0.3, 1.8)),
     )
 

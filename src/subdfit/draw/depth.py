@@ -1,61 +1,89 @@
-"""The depth of a picture on a grid of cells: which points are hidden, and which lie in a hollow."""
+"""What is seen first in a picture, on a grid of samples."""
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
-_REACH = (0.010, 0.045)
-"""Widths of the soft shadows, as shares of the picture's larger side."""
+from subdfit.draw._kernels import mean_colors, paint_nearest
+from subdfit.draw.camera import Camera
 
-_STRENGTH = (0.30, 0.28)
-"""How much light the deepest hollow loses, for each reach."""
+SAMPLES = 4
+"""A pixel is the mean of so many samples each way."""
 
 _BEHIND = 3.0
-"""A point is hidden when it lies this many cells behind all that is nearest around it."""
+"""A point is hidden when it lies so many cells behind all samples around it."""
+
+_AROUND = range(-1, 3)
+"""Columns and rows of the samples around a point, from the sample to its lower left: half a pixel each way."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Square cells over a picture, a sample in the middle of each.
+
+    Attributes
+    ----------
+    left, bottom : corner of the picture, as `Camera.project` gives points.
+    cell : side of a cell, in the same unit.
+    rows, columns : numbers of cells, `SAMPLES` for each pixel.
+    """
+
+    left: float
+    bottom: float
+    cell: float
+    rows: int
+    columns: int
+
+    @property
+    def extent(self) -> tuple[float, float, float, float]:
+        """Left, right, bottom and top."""
+        right, top = self.left + self.columns * self.cell, self.bottom + self.rows * self.cell
+        return self.left, right, self.bottom, top
+
+    def place(self, seen: NDArray[np.floating]) -> NDArray[np.float64]:
+        """Return column and row of points, (n, 2); whole numbers at samples."""
+        return np.asarray((seen[:, :2] - (self.left, self.bottom)) / self.cell - 0.5, np.float64)
 
 
 class DepthPicture:
-    """Heights of the points nearest to the viewer, in square cells of a camera's window.
+    """The nearest triangle at each sample.
 
     Parameters
     ----------
-    seen : (n, 3) float32, from `Camera.project`: right, up, and the height towards the viewer.
-    window : left, right, bottom and top of the picture.
-    cells : number of cells along its larger side.
+    seen : (n, 3), from `Camera.project`: right, up, and the height towards the viewer.
+    faces : (m, 3) rows of `seen`.
+    camera : the one that saw them.
+    grid : the samples.
     """
 
-    def __init__(self, seen: NDArray[np.float32], window: tuple[float, float, float, float], cells: int) -> None:
-        left, right, bottom, top = window
-        self._side = max(right - left, top - bottom)
-        self._cell = self._side / cells
-        self._corner = np.array([left, bottom], np.float32)
-        self._shape = (int((right - left) / self._cell) + 1, int((top - bottom) / self._cell) + 1)
-        self._height = np.full(self._shape, -np.inf, np.float32)
-        np.maximum.at(self._height, self._cells(seen), seen[:, 2])
+    def __init__(self, seen: NDArray[np.float32], faces: NDArray[np.int64], camera: Camera, grid: Grid) -> None:
+        self._camera, self._grid = camera, grid
+        self._face = np.full((grid.rows, grid.columns), -1, np.int32)
+        self._nearness = np.zeros(self._face.shape, np.float32)
+        corners = np.column_stack([grid.place(seen), camera.nearness(seen[:, 2])])
+        paint_nearest(corners[faces], self._face, self._nearness)
 
-    def hides(self, seen: NDArray[np.float32]) -> NDArray[np.bool_]:
-        """Return (m,) whether points lie behind a gapless front of the points that made the picture."""
-        front = ndimage.minimum_filter(self._height, size=3, mode="nearest")
-        return np.asarray(seen[:, 2] < front[self._cells(seen)] - _BEHIND * self._cell)
+    def colored(self, colors: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return the picture of pixels, (rows, columns, 4), of faces in these colours (m, 3); clear beside them."""
+        rows, columns = self._face.shape
+        pixels = np.zeros((rows // SAMPLES, columns // SAMPLES, 4), np.float32)
+        mean_colors(self._face, colors, pixels)
+        return pixels
 
-    def openness(self, seen: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Return (m,) how freely points see the sky, from the depth alone; 1 is free.
+    def hides(self, seen: NDArray[np.floating]) -> NDArray[np.bool_]:
+        """Return (m,) whether points lie behind the surface. Where it is flat the lowest sample around is below it.
 
-        The depth is compared with its own blurred copy: what lies below its surroundings darkens (Luft, Colditz
-        and Deussen 2006, "Image enhancement by unsharp masking the depth buffer").
+        What is hidden by less than a line's width beside it counts as seen: an edge along the outline is not broken
+        where facets turn it away.
         """
-        known = np.isfinite(self._height)
-        weight, height = known.astype(np.float32), np.where(known, self._height, np.float32(0.0))
-        cells = self._cells(seen)
-        free = np.ones(len(seen), np.float32)
-        for reach, strength in zip(_REACH, _STRENGTH, strict=True):
-            width = reach * self._side / self._cell
-            near = ndimage.gaussian_filter(weight, width)
-            around = ndimage.gaussian_filter(height, width) / np.maximum(near, 1e-6)
-            below = np.clip((around[cells] - seen[:, 2]) / (reach * self._side), 0.0, 1.0)
-            free *= 1.0 - strength * below
-        return free
-
-    def _cells(self, seen: NDArray[np.float32]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        at = ((seen[:, :2] - self._corner) / self._cell).astype(np.int64)
-        return np.clip(at[:, 0], 0, self._shape[0] - 1), np.clip(at[:, 1], 0, self._shape[1] - 1)
+        column, row = np.floor(self._grid.place(seen)).astype(np.int64).T
+        rows, columns = self._face.shape
+        around = (
+            self._nearness[np.clip(row + up, 0, rows - 1), np.clip(column + along, 0, columns - 1)]
+            for up in _AROUND
+            for along in _AROUND
+        )
+        lowest = np.minimum.reduce(list(around))
+        height = self._camera.height(np.where(lowest > 0.0, lowest, 1.0))
+        return np.asarray((lowest > 0.0) & (seen[:, 2] < height - _BEHIND * self._grid.cell))

@@ -36,6 +36,7 @@ class Panel:
     lines: ArrayLike | None = None
     line_colors: ArrayLike | str = "#1c2733"
     line_width: float = 0.5
+    line_anchors: ArrayLike | None = None
     camera: Camera | None = None
 
 
@@ -93,6 +94,7 @@ def gallery(
                 lines=panel.lines,
                 line_colors=panel.line_colors,
                 line_width=panel.line_width,
+                line_anchors=panel.line_anchors,
             )
             text_at(figure, left + panel_width / 2, top - 0.05, panel.caption, size=9)
         top -= below

@@ -1,18 +1,15 @@
-"""Shaded triangles on a matplotlib axes: painted from far to near, without a display or a graphics card."""
-
-from dataclasses import dataclass
-from typing import Any
+"""Shaded triangles and lines on a matplotlib axes: what is nearest is seen, without a display or a graphics card."""
 
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
+from matplotlib.collections import LineCollection
 from matplotlib.colors import Colormap, Normalize, to_rgb
 from numpy.typing import ArrayLike, NDArray
 
 from subdfit.draw.camera import Camera
-from subdfit.draw.depth import DepthPicture
-from subdfit.draw.shading import is_closed, lit, signed_volume, smooth_normals
+from subdfit.draw.depth import SAMPLES, DepthPicture, Grid
+from subdfit.draw.shading import is_closed, lit, openness, signed_volume, smooth_normals
 from subdfit.errors import InputError
 
 PLASTER = (0.89, 0.875, 0.85)
@@ -21,22 +18,8 @@ PLASTER = (0.89, 0.875, 0.85)
 _INSIDE = np.array([0.62, 0.68, 0.78], np.float32)
 """Tint of the inner side of an open surface."""
 
-_MANY = 200_000
-"""From this many triangles on, hidden ones are left out and those smaller than a pixel are merged."""
-
-
-_SEAM = 0.3
-"""Width in points of the outline, of its own colour, that closes the seam between neighbouring triangles."""
-
-
-@dataclass(frozen=True)
-class _Sheet:
-    """Triangles on paper: corners (m, 3, 2), height of the centres (m,), colours (m, 3), and the picture's depth."""
-
-    corners: NDArray[np.float32]
-    height: NDArray[np.float32]
-    colors: NDArray[np.float32]
-    depth: DepthPicture
+_SHADOW_CELL = 2
+"""Side in pixels of the cells in which shadows are found."""
 
 
 def render(
@@ -51,8 +34,9 @@ def render(
     lines: ArrayLike | None = None,
     line_colors: ArrayLike | str = "#1c2733",
     line_width: float = 0.5,
+    line_anchors: ArrayLike | None = None,
 ) -> None:
-    """Paint a shaded mesh, with lines that the mesh hides where it lies in front of them.
+    """Paint a shaded mesh, and of lines what the mesh does not hide.
 
     Parameters
     ----------
@@ -68,6 +52,8 @@ def render(
     lines : (k, 2, 3) segments in space, or ``None``.
     line_colors : one colour, or (k, 3).
     line_width : in points.
+    line_anchors
+        (k, 2, 3) places on the mesh: a line that lies off it is seen where these are. ``None`` is the lines themselves.
 
     Raises
     ------
@@ -76,24 +62,29 @@ def render(
     """
     points, faces = np.asarray(vertices, np.float64), np.asarray(triangles, np.int64)
     albedo = _albedo(colors, len(points), faces, cmap, norm)
-    sheet = _sheet(points, faces, albedo, camera, _pixels(ax))
-    strokes, stroke_height, stroke_colors = _strokes(lines, line_colors, camera, sheet)
-    order = np.argsort(np.concatenate([sheet.height, stroke_height]), kind="stable")
-    paint = np.concatenate([sheet.colors, stroke_colors])[order]
-    widths = np.repeat([_SEAM, line_width], [len(sheet.height), len(strokes)])[order] if len(strokes) else _SEAM
-    shapes: Any = np.concatenate([sheet.corners, strokes])[order]
-    ax.add_collection(
-        PolyCollection(shapes, facecolors=paint, edgecolors=paint, linewidths=widths, capstyle="round"),
-        autolim=False,
-    )
+    grid = _pixel_grid(ax, camera)
+    depth, paint = _shade(points, faces, albedo, camera, grid)
+    ax.imshow(depth.colored(paint), extent=grid.extent, origin="lower", interpolation="nearest")
+    if lines is not None:
+        given = to_rgb(line_colors) if isinstance(line_colors, str) else line_colors
+        segments = np.asarray(lines, np.float64)
+        anchors = segments if line_anchors is None else np.asarray(line_anchors, np.float64)
+        pieces, row = _seen_pieces(segments, anchors, camera, grid, depth)
+        ink = np.broadcast_to(np.asarray(given, np.float64), (len(segments), 3))[row]
+        ax.add_collection(LineCollection(list(pieces), colors=ink, linewidths=line_width, capstyle="round"), False)
+
+
+def _pixel_grid(ax: Axes, camera: Camera) -> Grid:
+    """Fit the axes to the camera's window, and return the samples of the pixels that it touches."""
     left, right, bottom, top = camera.window
     ax.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
     ax.set_axis_off()
-
-
-def _pixels(ax: Axes) -> int:
-    """Return the number of pixels along the larger side of the axes."""
-    return max(int(max(ax.bbox.width, ax.bbox.height)), 16)
+    ax.apply_aspect()
+    low, high = np.floor(ax.bbox.min), np.ceil(ax.bbox.max)
+    pixel = (right - left) / ax.bbox.width
+    x, y = np.array([left, bottom]) + (low - ax.bbox.min) * pixel
+    columns, rows = SAMPLES * (high - low).astype(int)
+    return Grid(float(x), float(y), pixel / SAMPLES, int(rows), int(columns))
 
 
 def _albedo(
@@ -121,30 +112,27 @@ def _albedo(
     )
 
 
-def _sheet(
+def _shade(
     points: NDArray[np.float64],
     faces: NDArray[np.int64],
     albedo: NDArray[np.float32],
     camera: Camera,
-    pixels: int,
-) -> _Sheet:
-    """Project, cull, shade; of crowded meshes keep what is larger than a pixel."""
+    grid: Grid,
+) -> tuple[DepthPicture, NDArray[np.float32]]:
+    """Return what is seen of the faces that may be, and their colours."""
     closed = is_closed(faces)
     if closed and signed_volume(points - camera.centre, faces) < 0.0:
         faces = faces[:, ::-1]
     seen = camera.project(points)
-    depth = DepthPicture(seen, camera.window, pixels // 2)
+    normals = smooth_normals(points - camera.centre, faces) @ camera.rotation.T.astype(np.float32)
     front = _turns_to_viewer(seen, faces)
-    shown = front if closed else ~depth.hides(seen)[faces].all(axis=1)
-    normals = smooth_normals(points - camera.centre, faces)[shown] @ camera.rotation.T.astype(np.float32)
-    faces, albedo, back = faces[shown], albedo[shown], ~front[shown]
-    normals[back] *= -1.0
-    albedo = np.where(back[:, None], albedo * _INSIDE, albedo)
-    colors = lit(normals, albedo, depth.openness(seen)[faces].mean(axis=1))
-    if len(faces) > _MANY:
-        faces, colors = _merge_pixels(seen, faces, colors, camera, pixels)
-    corners = seen[faces]
-    return _Sheet(corners[:, :, :2], corners[:, :, 2].mean(axis=1), colors, depth)
+    if closed:
+        faces, albedo, normals, front = faces[front], albedo[front], normals[front], front[front]
+    depth = DepthPicture(seen, faces, camera, grid)
+    normals[~front] *= -1.0
+    albedo = np.where(front[:, None], albedo, albedo * _INSIDE)
+    shadow_cells = max(grid.rows, grid.columns) // (SAMPLES * _SHADOW_CELL)
+    return depth, lit(normals, albedo, openness(seen, camera.window, shadow_cells)[faces].mean(axis=1))
 
 
 def _turns_to_viewer(seen: NDArray[np.float32], faces: NDArray[np.int64]) -> NDArray[np.bool_]:
@@ -153,38 +141,27 @@ def _turns_to_viewer(seen: NDArray[np.float32], faces: NDArray[np.int64]) -> NDA
     return np.asarray(u[:, 0] * v[:, 1] > u[:, 1] * v[:, 0])
 
 
-def _merge_pixels(
-    seen: NDArray[np.float32],
-    faces: NDArray[np.int64],
-    colors: NDArray[np.float32],
-    camera: Camera,
-    pixels: int,
-) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-    """Let one vertex stand for all in its cube of a pixel's size; triangles that collapse are dropped, no gap opens."""
-    left, right, bottom, top = camera.window
-    cell = max(right - left, top - bottom) / pixels
-    cube = np.floor(seen / cell).astype(np.int64)
-    cube -= cube.min(axis=0)
-    extent = cube.max(axis=0) + 1
-    key = (cube[:, 0] * extent[1] + cube[:, 1]) * extent[2] + cube[:, 2]
-    _, first, member = np.unique(key, return_index=True, return_inverse=True)
-    merged = first[member][faces]
-    kept = (merged[:, 0] != merged[:, 1]) & (merged[:, 1] != merged[:, 2]) & (merged[:, 2] != merged[:, 0])
-    return merged[kept], colors[kept]
+def _seen_pieces(
+    segments: NDArray[np.float64], anchors: NDArray[np.float64], camera: Camera, grid: Grid, depth: DepthPicture
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Return what is seen of segments, (p, 2, 2) on the picture, and the row of the segment of each piece."""
+    ends, places = (camera.project(s.reshape(-1, 3)).reshape(-1, 2, 3).astype(np.float64) for s in (segments, anchors))
+    places[:, :, 2] = camera.nearness(places[:, :, 2])
+    lengths = np.linalg.norm(ends[:, 1, :2] - ends[:, 0, :2], axis=1)
+    count = np.clip(np.ceil(lengths / grid.cell), 1, grid.rows + grid.columns).astype(np.int64)
+    row = np.repeat(np.arange(len(ends)), count)
+    first = np.cumsum(count) - count
+    step = np.arange(len(row)) - first[row]
+    middles = _between(places, row, (step + 0.5) / count[row])
+    middles[:, 2] = camera.height(middles[:, 2])
+    shown = ~depth.hides(middles)
+    # Runs of pieces of one segment that are seen become one.
+    begins = shown & ((step == 0) | ~np.roll(shown, 1))
+    stops = shown & ((step == count[row] - 1) | ~np.roll(shown, -1))
+    row, stretch = row[begins], (step[begins], step[stops] + 1)
+    return np.stack([_between(ends, row, at / count[row])[:, :2] for at in stretch], axis=1), row
 
 
-def _strokes(
-    lines: ArrayLike | None, line_colors: ArrayLike | str, camera: Camera, sheet: _Sheet
-) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
-    """Return segments as flat triangles (a, b, b), lifted to the viewer by the size of the triangles they lie on."""
-    segments = np.empty((0, 2, 3)) if lines is None else np.asarray(lines, np.float64)
-    ends = camera.project(segments.reshape(-1, 3)).reshape(-1, 2, 3)
-    lift = np.float32(0.0)
-    if len(sheet.corners):
-        sides = np.ptp(sheet.corners, axis=1).max(axis=1)
-        lift = np.float32(max(np.quantile(sides, 0.9), 1e-3 * camera.distance))
-    given = to_rgb(line_colors) if isinstance(line_colors, str) else line_colors
-    paint = np.broadcast_to(np.asarray(given, np.float32), (len(ends), 3))
-    visible = ~sheet.depth.hides(ends.reshape(-1, 3)).reshape(-1, 2).all(axis=1)
-    flat = ends[visible][:, [0, 1, 1]]
-    return flat[:, :, :2], flat[:, :2, 2].mean(axis=1) + lift, paint[visible]
+def _between(ends: NDArray[np.float64], row: NDArray[np.int64], t: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return points at parameters from 0 to 1 on the segments of some rows."""
+    return np.asarray(ends[row, 0] + t[:, None] * (ends[row, 1] - ends[row, 0]))

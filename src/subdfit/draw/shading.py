@@ -1,7 +1,8 @@
-"""Light: which way faces look, smooth normals and three lamps; plain numpy, no graphics card."""
+"""Light: which way faces look, smooth normals, soft shadows and three lamps; plain numpy, no graphics card."""
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -14,6 +15,11 @@ _SHARP = np.cos(np.radians(35.0))
 """Edges across which the surface turns further than this are sharp."""
 _BENT = np.cos(np.radians(17.5))
 """At a vertex of a sharp edge some face is turned further than this from the mean of all."""
+
+_REACH = (0.010, 0.045)
+"""Widths of the soft shadows, as shares of the picture's larger side."""
+_STRENGTH = (0.30, 0.28)
+"""How much light the deepest hollow loses, for each reach."""
 
 
 def is_closed(triangles: NDArray[np.integer]) -> bool:
@@ -77,6 +83,35 @@ def unit(vectors: NDArray[np.float32]) -> NDArray[np.float32]:
     """Return the vectors at length one; those of no length stay zero."""
     lengths = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
     return np.asarray(vectors / np.where(lengths > 0.0, lengths, np.float32(1.0))[:, None], np.float32)
+
+
+def openness(seen: NDArray[np.float32], window: tuple[float, float, float, float], cells: int) -> NDArray[np.float32]:
+    """Return (n,) how freely points see the sky, from their depth alone; 1 is free.
+
+    The depth is compared with its own blurred copy: what lies below its surroundings darkens (Luft, Colditz
+    and Deussen 2006, "Image enhancement by unsharp masking the depth buffer").
+
+    Parameters
+    ----------
+    seen : (n, 3), from `Camera.project`: right, up, and the height towards the viewer.
+    window : left, right, bottom and top of the picture.
+    cells : number of cells along its larger side, in which the highest point counts.
+    """
+    left, right, bottom, top = window
+    side = max(right - left, top - bottom)
+    shape = np.array([right - left, top - bottom]) / side * cells
+    column, row = np.clip((seen[:, :2] - (left, bottom)) / side * cells, 0, shape).astype(np.int64).T
+    highest = np.full(shape.astype(np.int64) + 1, -np.inf, np.float32)
+    np.maximum.at(highest, (column, row), seen[:, 2])
+    known = np.isfinite(highest)
+    weight, height = known.astype(np.float32), np.where(known, highest, np.float32(0.0))
+    free = np.ones(len(seen), np.float32)
+    for reach, strength in zip(_REACH, _STRENGTH, strict=True):
+        near = ndimage.gaussian_filter(weight, reach * cells)
+        around = ndimage.gaussian_filter(height, reach * cells) / np.maximum(near, 1e-6)
+        below = np.clip((around[column, row] - seen[:, 2]) / (reach * side), 0.0, 1.0)
+        free *= 1.0 - strength * below
+    return free
 
 
 def lit(
