@@ -30,7 +30,8 @@ def paint_nearest(corners, face, nearness):  # type: ignore[no-untyped-def]
         up = ((cw - aw) * (bx - ax) - (bw - aw) * (cx - ax)) / twice_area
         # Of a triangle seen edge-on a sample beside it may be far off in its plane.
         least, most = min(aw, bw, cw), max(aw, bw, cw)
-        for row in range(max(np.ceil(min(ay, by, cy)), 0), min(np.floor(max(ay, by, cy)), rows - 1) + 1):
+        low, high = max(np.ceil(min(ay, by, cy)), 0.0), min(np.floor(max(ay, by, cy)), rows - 1.0)
+        for row in range(int(low), int(high) + 1):
             left, right = np.inf, -np.inf
             for side in range(3):
                 px, py = corners[k, side, 0], corners[k, side, 1]
@@ -38,7 +39,10 @@ def paint_nearest(corners, face, nearness):  # type: ignore[no-untyped-def]
                 if py != qy and min(py, qy) <= row <= max(py, qy):
                     x = px + (row - py) / (qy - py) * (qx - px)
                     left, right = min(left, x), max(right, x)
-            for column in range(max(np.ceil(left - _SLACK), 0), min(np.floor(right + _SLACK), columns - 1) + 1):
+            first, last = max(np.ceil(left - _SLACK), 0.0), min(np.floor(right + _SLACK), columns - 1.0)
+            if not first <= last:
+                continue
+            for column in range(int(first), int(last) + 1):
                 near = min(max(aw + along * (column - ax) + up * (row - ay), least), most)
                 if near > nearness[row, column]:
                     nearness[row, column] = near
