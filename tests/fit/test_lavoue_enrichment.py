@@ -80,6 +80,87 @@ def test_edits_keep_area_boundary_and_topology(chosen):
         assert t.valence[~np.isin(np.arange(t.vertex_count), t.edge_vertices[t.boundary_edges])].min() >= 3
 
 
+SHARPNESS = [np.inf, 2.5, np.inf, 1.25]
+
+
+def creased(scheme="catmull-clark"):
+    """A square of 4 x 4 quads, its middle line sharp."""
+    mesh, line = grid(4), np.arange(10, 15)
+    edges = np.stack([line[:-1], line[1:]], 1)
+    corners = np.flatnonzero(mesh.topology.corner_sharpness)
+    topology = Topology.from_faces(
+        mesh.topology.face_offsets, mesh.topology.face_vertices, 25, edges, SHARPNESS, corner_vertices=corners
+    )
+    return ControlMesh(topology, mesh.points, scheme)
+
+
+def crease_map(mesh):
+    """Where sharp edges lie along y, all being at x = .5, and how sharp they are, by quarters of the square."""
+    edges = mesh.topology.crease_edges
+    ends = mesh.points[mesh.topology.ends(edges)]
+    np.testing.assert_array_equal(ends[:, :, 0], 0.5)
+    low, high = np.sort(ends[:, :, 1], axis=1).T
+    length = np.zeros(4)
+    quarter = (4 * low).astype(int)
+    np.add.at(length, quarter, high - low)
+    np.testing.assert_array_equal(mesh.topology.sharpness[edges], np.array(SHARPNESS)[quarter])
+    return length
+
+
+@pytest.mark.parametrize("scheme", ["catmull-clark", "quad-triangle"])
+@pytest.mark.parametrize("chosen", [[0], [4, 8], [4, 5, 8, 9], [5, 6, 9, 10], range(16)])
+def test_creases_stay_where_they_are_and_as_sharp(scheme, chosen):
+    mesh = creased(scheme)
+    for edit in ("enrich", "merge"):
+        faces = Faces.of(mesh)
+        if edit == "enrich":
+            faces.enrich_each(list(chosen))
+        elif not faces.merge_and_insert(list(chosen), np.array([0.4, 0.5, 0.0])):
+            continue
+        np.testing.assert_allclose(crease_map(faces.frozen(mesh)), 0.25)
+    np.testing.assert_allclose(crease_map(Faces.of(mesh).frozen(mesh)), 0.25)
+
+
+def test_a_sharp_side_is_cut_into_two_sharp_ones():
+    faces = Faces.of(creased())
+    faces.enrich_each([4, 8])
+    assert len(faces.creases) == 5
+    assert sorted(faces.creases.values()) == sorted([*SHARPNESS, np.inf])
+
+
+def test_faces_are_not_merged_across_a_crease():
+    place = np.array([0.5, 0.5, 0.0])
+    assert Faces.of(grid(4)).merge_and_insert([4, 5, 8, 9], place)
+    assert not Faces.of(creased()).merge_and_insert([4, 5, 8, 9], place)
+    assert Faces.of(creased()).merge_and_insert([4, 5], place)
+
+
+@pytest.mark.parametrize("scheme", ["catmull-clark", "quad-triangle"])
+def test_a_roof_keeps_its_ridge(scheme):
+    """The ridge rises and falls: its crease is cut with the faces beside it, and runs from boundary to boundary."""
+    x, y = np.meshgrid(np.linspace(0, 1, 61), np.linspace(0, 1, 61), indexing="ij")
+    z = (0.5 - np.abs(x - 0.5)) * (1 + 0.5 * np.sin(2 * np.pi * y))
+    i = np.arange(61**2).reshape(61, 61)
+    quads = np.stack([i[:-1, :-1], i[1:, :-1], i[1:, 1:], i[:-1, 1:]], -1).reshape(-1, 4)
+    points, triangles = np.stack([x, y, z], -1).reshape(-1, 3), np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]])
+    flat = grid(2)
+    topology = Topology.from_faces(
+        flat.topology.face_offsets, flat.topology.face_vertices, 9, [[3, 4], [4, 5]], corner_vertices=[0, 2, 3, 5, 6, 8]
+    )
+    height = 0.5 - np.abs(flat.points[:, :1] - 0.5)
+    start = ControlMesh(topology, flat.points + height * [0, 0, 1], scheme)
+    found = fit_open(start, mesh_target(points, triangles), curvature_field(points, triangles), tolerance=5e-3)
+    assert found.mean <= 5e-3
+    ends = found.mesh.topology.ends(found.mesh.topology.crease_edges)
+    assert len(ends) > 2
+    uses = np.bincount(ends.ravel())
+    assert sorted(uses[uses > 0]) == [1, 1] + [2] * (len(ends) - 1)
+    assert uses[3] == uses[5] == 1
+    limit = subdfit.subdivide(found.mesh, 3, limit=True)
+    crease = limit.points[limit.topology.ends(limit.topology.crease_edges)]
+    assert np.abs(crease[:, :, 0] - 0.5).max() < 1 / 60  # a cell of the target
+
+
 def test_faces_that_form_no_disk_are_not_merged():
     mesh = grid(3)
     assert not Faces.of(mesh).merge_and_insert([0, 1, 2, 3, 5, 6, 7, 8], np.zeros(3))

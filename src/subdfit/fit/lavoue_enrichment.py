@@ -15,6 +15,7 @@ from subdfit.mesh.topology import Topology
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Ring = list[int]
+Edge = frozenset[int]
 
 _SIGNIFICANT = 0.5
 """Share of the largest error from which a sample belongs to the error field."""
@@ -44,34 +45,47 @@ def is_diffuse(distances: Floats, field: Flags) -> bool:
 
 @dataclass
 class Faces:
-    """Faces as rings of vertices, counter-clockwise, and the positions of vertices, open to edits."""
+    """Faces as rings of vertices, counter-clockwise, positions of vertices, and sharp edges inside, open to edits."""
 
     rings: list[Ring]
     points: list[Floats]
+    creases: dict[Edge, float]
 
     @classmethod
     def of(cls, mesh: ControlMesh) -> "Faces":
         """The faces of a control mesh."""
         offsets, corners = mesh.topology.face_offsets.tolist(), mesh.topology.face_vertices.tolist()
         rings = [corners[a:b] for a, b in pairwise(offsets)]
-        return cls(rings, list(mesh.points))
+        sharp = mesh.topology.crease_edges
+        ends = map(frozenset, mesh.topology.ends(sharp).tolist())
+        return cls(rings, list(mesh.points), dict(zip(ends, mesh.topology.sharpness[sharp], strict=True)))
 
     def frozen(self, mesh: ControlMesh) -> ControlMesh:
-        """A control mesh of these faces with the corners of the mesh they come from; unused vertices are left out."""
+        """A control mesh of these faces, with their creases and the corners of the mesh that they come from.
+
+        Vertices without a face are left out.
+        """
         used, rows = np.unique(np.concatenate(self.rings), return_inverse=True)
         sharpness = np.zeros(len(self.points))
         sharpness[: len(mesh.points)] = mesh.topology.corner_sharpness
         corners = np.flatnonzero(sharpness[used] > 0)
         offsets = np.concatenate([[0], np.cumsum([len(ring) for ring in self.rings])])
+        ends = np.array([sorted(edge) for edge in self.creases], np.int64).reshape(-1, 2)
         topology = Topology.from_faces(
-            offsets, rows, len(used), corner_vertices=corners, corner_sharpness=sharpness[used][corners]
+            offsets,
+            rows,
+            len(used),
+            crease_edges=np.searchsorted(used, ends),
+            crease_sharpness=list(self.creases.values()),
+            corner_vertices=corners,
+            corner_sharpness=sharpness[used][corners],
         )
         return ControlMesh(topology, np.array(self.points)[used], mesh.scheme)
 
     def merge_and_insert(self, chosen: list[int], place: Floats) -> bool:
         """The local case: faces become one, with a new vertex that is joined to its neighbours.
 
-        Nothing is done, and False returned, where the faces do not form a disk.
+        Nothing is done, and False returned, where the faces do not form a disk, or a crease runs between them.
         """
         loop = self._outline(chosen)
         if not loop:
@@ -88,12 +102,18 @@ class Faces:
         return {v for v in loop if v not in rim and left.count(v) == 1}
 
     def enrich_each(self, chosen: list[int]) -> None:
-        """The diffuse case: each face gets a vertex at its middle, and sides between two of them are cut."""
+        """The diffuse case: each face gets a vertex at its middle, and sides between two of them are cut.
+
+        Both halves of a crease are as sharp as it was.
+        """
         owner = {(a, b): k for k in chosen for a, b in ring_sides(self.rings[k])}
-        middle: dict[frozenset[int], int] = {}
+        middle: dict[Edge, int] = {}
         for a, b in sorted(side for side in owner if side[::-1] in owner and side[0] < side[1]):
             self.points.append((self.points[a] + self.points[b]) / 2)
             middle[frozenset((a, b))] = len(self.points) - 1
+        for edge in middle.keys() & self.creases.keys():
+            sharpness = self.creases.pop(edge)
+            self.creases |= {frozenset((end, middle[edge])): sharpness for end in edge}
         fresh: list[Ring] = []
         for k in chosen:
             loop: Ring = []
@@ -109,8 +129,10 @@ class Faces:
         self.rings = [ring for k, ring in enumerate(self.rings) if k not in set(gone)] + by
 
     def _outline(self, chosen: list[int]) -> Ring:
-        """The ring round some faces; empty unless they form a disk."""
+        """The ring round some faces; empty unless they form a disk in which no crease runs."""
         sides = {side for k in chosen for side in ring_sides(self.rings[k])}
+        if any(side[::-1] in sides and frozenset(side) in self.creases for side in sides):
+            return []
         outer = dict(side for side in sides if side[::-1] not in sides)
         if len(outer) != sum(side[::-1] not in sides for side in sides):
             return []
