@@ -39,14 +39,3 @@ def shaft(sections: int = 48, step: float = 0.12) -> tuple[NDArray[np.float64], 
     fans.append(np.stack([i[-1], np.roll(i[-1], -1), np.full(sections, i.size + 1)], 1))
     points = np.concatenate([rings.reshape(-1, 3), [[0, 0, -1], [0, 0, 1.4]]])
     return points, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]], *fans])
-
-
-def with_slivers(
-    points: NDArray[np.float64], triangles: NDArray[np.int64]
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """The same surface with a vertex in every other triangle, so near its first side that what is left is a needle."""
-    cut = triangles[::2]
-    middle = len(points) + np.arange(len(cut))
-    fresh = np.einsum("k,tkd->td", [0.47, 0.5, 0.03], points[cut])
-    parts = [np.column_stack([cut[:, k], cut[:, (k + 1) % 3], middle]) for k in range(3)]
-    return np.concatenate([points, fresh]), np.concatenate([triangles[1::2], *parts])
