@@ -182,6 +182,16 @@ def test_plate_with_holes_is_covered_without_overlap():
     assert sum(areas) == pytest.approx((x[a] * y[b] - x[b] * y[a]).sum() / 2)
 
 
+def test_points_of_no_triangle_do_not_count():
+    """A face of a part, among all its points, has the control mesh that it has alone."""
+    points, triangles = plate([(2, 1, 0.5)], bend=1.5)
+    curves = polygons(points, triangles)
+    alone = boundary_start(points, triangles, curves)
+    among = boundary_start(np.concatenate([[[9.0, 9, 9]], points, [[8.0, 0, 0]]]), triangles + 1, curves)
+    np.testing.assert_array_equal(among.topology.face_vertices, alone.topology.face_vertices)
+    np.testing.assert_allclose(among.points, alone.points)
+
+
 def test_dijkstra_is_there_by_name():
     points, triangles = plate([(2, 1, 0.5)], bend=1.5)
     found = boundary_start(points, triangles, polygons(points, triangles), paths="dijkstra")

@@ -50,7 +50,8 @@ def boundary_start(
 
     Parameters
     ----------
-    points, triangles : the surface: connected, oriented, with at least one boundary and without handles.
+    points, triangles : the surface: connected, oriented, with at least one boundary and without handles. Points of no
+        triangle do not count.
     polygons : one for each boundary, in the order of `boundary_loops`.
     paths : of possible edges, see `ScoredSurface`.
     radius : over which curvature is averaged; see `curvature_field`.
@@ -61,6 +62,8 @@ def boundary_start(
     InputError
         The surface is closed or has handles, or there are too few control points for its holes.
     """
+    used, rows = np.unique(triangles, return_inverse=True)
+    points, triangles = points[used], rows.reshape(-1, 3)
     loops = boundary_loops(triangles)
     if len(loops) != len(polygons):
         raise InputError(f"{len(polygons)} polygons for {len(loops)} boundaries; give one each")
