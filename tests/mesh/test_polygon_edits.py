@@ -23,6 +23,11 @@ def character(mesh: ControlMesh) -> tuple[int, int, list[int], int]:
     return euler, len(rim) - len(np.unique(rim)), ends, int(np.sum(t.corner_sharpness > 0))
 
 
+def rings(edits: PolygonEdits) -> list[tuple[int, ...]]:
+    """The faces, each from its least vertex on."""
+    return sorted((*ring[k:], *ring[:k]) for ring in edits.rings.values() for k in [ring.index(min(ring))])
+
+
 def pairs(edits: PolygonEdits, count: int) -> list[tuple[int, int]]:
     return [(v, w) for v in range(count) if edits.faces_at(v) for w in sorted(edits.neighbours(v))]
 
@@ -44,6 +49,39 @@ def test_whatever_is_allowed_keeps_the_topology_and_the_creases(name: str) -> No
         lighter, rows = edits.frozen()
         assert character(lighter) == before
         np.testing.assert_array_equal(lighter.points, mesh.points[rows])
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_turns_keep_the_topology_and_the_faces_sizes_and_turn_back(name: str) -> None:
+    mesh = mesh_of(name)
+    sizes, sharp = np.diff(mesh.topology.face_offsets), mesh.topology.edge_vertices[mesh.topology.sharpness > 0]
+    edits = PolygonEdits(mesh)
+    for forward in (True, False):
+        for a, b in pairs(edits, mesh.topology.vertex_count):
+            if b not in edits.neighbours(a) or not edits.may_turn(a, b, forward):
+                continue
+            before = rings(edits)
+            u, w = (edits.turned(a, b, forward)[0][k] for k in (0, -1))
+            edits.turn(a, b, forward)
+            after, _ = edits.frozen()
+            assert character(after) == character(mesh)
+            assert sorted(np.diff(after.topology.face_offsets)) == sorted(sizes)
+            assert w in edits.neighbours(u)
+            assert b not in edits.neighbours(a)
+            kept = {frozenset(side) for side in after.topology.edge_vertices[after.topology.sharpness > 0].tolist()}
+            assert kept == {frozenset(side) for side in sharp.tolist()}
+            edits.turn(u, w, not forward)
+            assert rings(edits) == before
+            edits.turn(a, b, forward)
+
+
+def test_most_shapes_have_edges_that_may_turn() -> None:
+    """So that the test above says something."""
+    count = 0
+    for name in SHAPES:
+        edits, vertices = PolygonEdits(mesh_of(name)), mesh_of(name).topology.vertex_count
+        count += any(edits.may_turn(a, b, True) for a, b in pairs(edits, vertices))
+    assert count > len(SHAPES) / 2
 
 
 def test_a_collapse_and_a_merge_in_numbers() -> None:

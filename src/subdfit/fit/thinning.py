@@ -4,6 +4,8 @@ Hoppe et al. 1994 try one collapse at a time and optimise round it. Here many ar
 or not near each change: large batches are made while most of their changes stand, then changes so far apart that each
 stands or falls by itself. A mean is a matter of the whole:
 all control points move, and what the changes cost must sum to no more than there is room for.
+
+Where a largest error is asked, edges are first turned to follow the lines of curvature, if that brings the data nearer.
 """
 
 from collections.abc import Iterator
@@ -18,6 +20,7 @@ from subdfit.fit.thinning_changes import Change, collapses, merges
 from subdfit.fit.thinning_hold import Hold, Kept
 from subdfit.fit.thinning_queue import Find, Queue
 from subdfit.fit.thinning_together import Together
+from subdfit.fit.thinning_turns import Alignment
 from subdfit.mesh.polygon_edits import PolygonEdits
 
 
@@ -46,17 +49,27 @@ class Thinning:
 
     def __init__(self, settings: FitSettings) -> None:
         self._hold = Hold(settings)
-        mean = settings.tolerance.max is None
-        self._ways: tuple[Way, ...] = (Together(self._hold),) if mean else (Batches(self._hold), Apart(self._hold))
+        self._mean = settings.tolerance.max is None
+        self._ways: tuple[Way, ...] = (
+            (Together(self._hold),) if self._mean else (Batches(self._hold), Apart(self._hold))
+        )
 
     def lighter(self, state: FitState) -> Iterator[FitState]:
         """Ever lighter fits, both sides of each within tolerance, from one whose data are."""
         state = self._hold.settled(state)
-        kinds = (collapses,) if state.surface.scheme.faces == "triangles" else (collapses, merges)
-        for find, way in product(kinds, self._ways):
+        for find, way in self._trials(state):
             for lighter in self._thinned(state, find, way):
                 state = lighter
                 yield state
+
+    def _trials(self, state: FitState) -> list[tuple[Find, Way]]:
+        """Kinds of changes, and the ways in which they are tried, in their order."""
+        kinds: tuple[Find, ...] = (collapses,) if state.surface.scheme.faces == "triangles" else (collapses, merges)
+        trials = list(product(kinds, self._ways))
+        target = state.data.target
+        if self._mean or target.cloud or not target.is_mesh:
+            return trials
+        return [(Alignment.of(target).turns, self._ways[-1]), *trials]
 
     @staticmethod
     def _thinned(state: FitState, find: Find, way: Way) -> Iterator[FitState]:

@@ -77,7 +77,10 @@ class Apart:
         Where errors are summed, those that add least, as many as there is room for, and then half as many, and so on.
         """
         tried = _Trial(self._hold, state, changes).outcomes()
-        good = sorted((k for k, outcome in enumerate(tried) if outcome.good), key=lambda k: tried[k].loss)
+        good = [
+            k for k, outcome in enumerate(tried) if outcome.good and (outcome.loss <= 0 or not changes[k].must_gain)
+        ]
+        good.sort(key=lambda k: tried[k].loss)
         added = np.cumsum([max(tried[k].loss, 0.0) for k in good])
         most = int(np.searchsorted(added, self._hold.room(state), side="right"))
         while most > 0:

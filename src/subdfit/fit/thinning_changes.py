@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +32,8 @@ class Change(ABC):
     first: int
     second: int
     cost: float
+    must_gain: ClassVar[bool] = False
+    """Whether it is kept only where it brings the data nearer: a change that leaves no less of the mesh."""
 
     @abstractmethod
     def near(self, edits: PolygonEdits) -> set[int]:

@@ -1,4 +1,4 @@
-"""Collapses of edges and merges of faces that keep a polygon mesh an oriented manifold with its creases."""
+"""Collapses and turns of edges and merges of faces that keep a polygon mesh an oriented manifold with its creases."""
 
 from collections.abc import Iterable
 from itertools import pairwise
@@ -116,16 +116,58 @@ class PolygonEdits:
     def merge(self, a: int, b: int) -> int:
         """Remove the edge between a and b; the face that is left."""
         one, other = sorted(self._faces[a] & self._faces[b])
-        ring, gone = self.rings[one], self.rings.pop(other)
-        if (a, b) not in sides(ring):
-            a, b = b, a
-        at, back = ring.index(a), gone.index(b)
-        first, second = [*ring[at + 1 :], *ring[: at + 1]], [*gone[back + 1 :], *gone[: back + 1]]
-        self.rings[one] = first + second[1:-1]
+        self.rings[one], gone = self._outline(a, b)[0], self.rings.pop(other)
         for u in gone:
             self._faces[u].discard(other)
             self._faces[u].add(one)
         return one
+
+    def may_turn(self, a: int, b: int, forward: bool) -> bool:
+        """Whether the edge between a and b may go round, see `turned`.
+
+        Vertices keep as many faces as other edits leave them, and no two come to share a face beyond their edge.
+        """
+        both = self._faces[a] & self._faces[b]
+        if frozenset((a, b)) in self._sharp or len(both) != 2:
+            return False
+        one, other = (self.rings[face] for face in both)
+        if set(one) & set(other) != {a, b}:
+            return False
+        if not all(len(self._faces[v]) > (1 if v in self._rim else FEWEST_FACES) for v in (a, b)):
+            return False
+        ring, _ = self.turned(a, b, forward)
+        u, w = ring[0], ring[-1]
+        return self._faces[u] & self._faces[w] <= both and max(len(self._faces[u]), len(self._faces[w])) < MOST_FACES
+
+    def turned(self, a: int, b: int, forward: bool) -> tuple[Ring, Ring]:
+        """What two faces become when the edge between a and b goes round by one vertex, forward or back.
+
+        Both keep their numbers of corners. The new edge joins the first and the last vertex of the first ring.
+        """
+        loop, end = self._outline(a, b)
+        if forward:
+            return loop[1 : end + 2], [*loop[end + 1 :], *loop[:2]]
+        return [*loop[-1:], *loop[:end]], loop[end - 1 :]
+
+    def turn(self, a: int, b: int, forward: bool) -> None:
+        """Let the edge between a and b go round."""
+        rings = dict(zip(sorted(self._faces[a] & self._faces[b]), self.turned(a, b, forward), strict=True))
+        for face in rings:
+            for u in self.rings[face]:
+                self._faces[u].discard(face)
+        for face, ring in rings.items():
+            self.rings[face] = ring
+            for u in ring:
+                self._faces[u].add(face)
+
+    def _outline(self, a: int, b: int) -> tuple[Ring, int]:
+        """The ring round the two faces at an edge, from one end of it on, and where in it the other end comes."""
+        one, other = (self.rings[face] for face in sorted(self._faces[a] & self._faces[b]))
+        if (a, b) not in sides(one):
+            a, b = b, a
+        at, back = one.index(a), other.index(b)
+        first, second = [*one[at + 1 :], *one[: at + 1]], [*other[back + 1 :], *other[: back + 1]]
+        return first + second[1:-1], len(first) - 1
 
     def frozen(self) -> tuple[ControlMesh, NDArray[np.int64]]:
         """The control mesh that is left, and the row of each of its vertices in the first one."""
