@@ -6,7 +6,8 @@ from scipy.interpolate import BSpline
 
 from shapes.curved import CURVED
 from shapes.parameters import anywhere, face_corners, inside, size, surface_of
-from shapes.zoo import circle, fan_faces, grid_data, mesh_of
+from shapes.polygons import prism
+from shapes.zoo import circle, fan_faces, grid_data, mesh_of, scattered
 from subdfit.errors import InputError
 from subdfit.limit import LimitSurface
 from subdfit.mesh.control_mesh import ControlMesh
@@ -343,26 +344,37 @@ def ring_matrix(m):
     return matrix
 
 
-def test_growth_of_curvature_towards_the_middle_of_a_face():
-    """Bounded in a triangle and like the logarithm in an octagon with the original mask, like a power with the other.
+def curvatures_into_face(scheme, m):
+    """Curvatures towards the middle of an m-gon, at levels 18, 30 and 42; points strewn have every frequency."""
+    surface = LimitSurface(scattered(prism(m)), scheme)
+    cell = np.flatnonzero(surface.topology.face[face_corners(surface.topology)] == 0)[:1]
+    near = [[[1 - t, 1 - 0.6 * t]] for t in 2.0 ** -np.array([18, 30, 42])]
+    return np.array([curvature(surface, cell, np.array(uv)) for uv in near])
 
-    The power is that of mu / lambda^2 a level, lambda = 1/2 + cos(2 pi / m) / 4 and mu the next eigenvalue.
-    """
-    levels = (12, 24, 36)
-    found = {}
-    for scheme in BOTH:
-        for name in ("prism 3", "prism 8"):
-            surface = surface_of(scheme, name) if scheme == "doo-sabin" else LimitSurface(mesh_of(name), scheme)
-            cell = np.flatnonzero(surface.topology.face[face_corners(surface.topology)] == 0)[:1]
-            near = [curvature(surface, cell, np.array([[1 - t, 1 - 0.6 * t]])) for t in 2.0 ** -np.array(levels)]
-            found[scheme, name] = np.array(near)
-    assert np.ptp(found["doo-sabin", "prism 3"]) < 1e-2 * found["doo-sabin", "prism 3"][0]
-    steps = np.diff(found["doo-sabin", "prism 8"])
+
+def test_the_original_masks_curvature_is_bounded_in_a_triangle():
+    near = curvatures_into_face("doo-sabin", 3)
+    assert np.ptp(near) < 1e-2 * near[0]
+
+
+@pytest.mark.parametrize("m", [5, 6, 7, 8])
+def test_the_original_masks_curvature_is_like_the_logarithm_in_larger_faces(m):
+    steps = np.diff(curvatures_into_face("doo-sabin", m))
+    assert steps[0] > 0
     assert steps[0] == pytest.approx(steps[1], rel=0.05)
-    for name, following, m in [("prism 3", 1 / 4, 3), ("prism 8", 1 / 2, 8)]:
-        factor = following / (1 / 2 + np.cos(2 * np.pi / m) / 4) ** 2
-        near = found["doo-sabin-averaging", name]
-        assert near[2] / near[1] == pytest.approx(factor**12, rel=0.02)
+
+
+@pytest.mark.parametrize("m", [3, 5, 6, 7, 8])
+def test_the_averaging_masks_curvature_is_a_power_of_the_distance(m):
+    """The power is that of mu / lambda^2 a level: 1.78, then .893, .960, 1.033 and 1.092.
+
+    lambda is 1/2 + cos(2 pi / m) / 4 and mu is 1/2 + cos(4 pi / m) / 4, but in a triangle the 1/4 of quads' quadratics.
+    """
+    tangents, bending = (1 / 2 + np.cos(2 * np.pi * k / m) / 4 for k in (1, 2))
+    factor = (bending if m > 3 else 1 / 4) / tangents**2
+    assert (factor > 1) == (m not in (5, 6))
+    near = curvatures_into_face("doo-sabin-averaging", m)
+    assert near[2] / near[1] == pytest.approx(factor**12, rel=0.02)
 
 
 def curvature(surface, cell, uv):
