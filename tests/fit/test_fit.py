@@ -14,10 +14,8 @@ from subdfit.fit.data import FitData
 from subdfit.fit.driver import METHODS, Progress, _Run, fit_target
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
-from subdfit.fit.tangent import TangentSettings
 from subdfit.initial.start import start_mesh
 from subdfit.limit import LimitSurface
-from subdfit.limit.tessellate import lattice
 from subdfit.measure import Tolerance, measure
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.schemes import SCHEMES
@@ -58,26 +56,8 @@ def test_error_falls_with_the_square_of_the_spacing(ball: Target) -> None:
         asked = settings("auto", 1e-9, control_vertices=vertices, max_control_vertices=vertices, max_iterations=12)
         errors.append(fit_target(ball, asked).measurement.rms)
     # Four times the vertices halve the spacing. Loop surfaces approximate to second order at extraordinary vertices,
-    # of which a decimated mesh is full: a factor of four in the limit.
+    # of which a decimated mesh is full: a factor of four, were its triangles as well shaped however many they are.
     assert errors[0] / errors[1] > 2.8
-
-
-def test_a_control_mesh_is_recovered_from_its_own_surface(ball: Target) -> None:
-    known = fit_target(ball, settings("auto", 2e-3, control_vertices=60, max_control_vertices=60)).control_mesh
-    rng = np.random.default_rng(0)
-    squashed = known.with_points(known.points * [1.0, 0.8, 1.3] + 0.01 * rng.normal(size=known.points.shape))
-    surface = LimitSurface(squashed, "loop")
-    grid = lattice(surface.domain, 12)
-    samples = surface.evaluate(grid.face, grid.uv).position
-    target = mesh_target(samples, grid.triangles, creases="none")
-    frame = Frame.of(target.points)
-    data = FitData.of(target.normalised(frame), 0.1)
-    start = LimitSurface(squashed.with_points(frame.inside(squashed.points + 0.01)), "loop")
-    state = FitState.start(data, start)
-    method = Auto(settings("auto", 1.0), TangentSettings(relaxation=0.0, reverse_weight=0.0))
-    for _ in range(20):
-        state = method.advance(state)
-    assert state.errors.max < 2e-5
 
 
 @EVERY
