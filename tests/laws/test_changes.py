@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from shapes.parameters import SOME, finer, inside
+from shapes.parameters import CASES, finer, inside
 from subdfit.fit.changes import cells_moved_by, changed_cells
 from subdfit.limit import LimitSurface
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.mesh.editor import MeshEditor
 
 
-@pytest.mark.parametrize(("scheme", "name"), SOME)
+@pytest.mark.parametrize(("scheme", "name"), CASES)
 def test_a_control_point_moves_no_cell_out_of_its_reach(scheme, name):
     surface = finer(scheme, name)
     cell, uv = inside(surface.domain, per_cell=2)

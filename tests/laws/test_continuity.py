@@ -100,7 +100,12 @@ def test_normals_agree_round_every_vertex_with_a_tangent_plane(surface):
 
 
 def test_normals_in_the_corners_are_limits_of_normals_inside(surface):
-    """They are approached by a fixed share a level; of the sectors kept here a dart of seven quads is slowest, .836."""
+    """They are approached by the third eigenvalue over those of the tangents, to a fixed share a level.
+
+    Of the sectors kept a dart of eight quads is slowest, with 1/2 (the smooth vertex's frequency 2, which vanishes on
+    the sharp edge) over .5819 and .6111: r = .8592 and s = .8182 a level. Where r^k and s^k start equal and opposite,
+    their difference falls from level 24 to 36 by r^12 (1 - (s/r)^36) / (1 - (s/r)^24), 1.2 times r^12.
+    """
     corners = corners_of(surface)
     keep = flat(corners, surface.scheme.name) & (corners.cells <= 8)
     slow = np.isin(corners.cells, SLOW_SECTORS[surface.scheme.name]) & ~corners.pinned
@@ -109,7 +114,8 @@ def test_normals_in_the_corners_are_limits_of_normals_inside(surface):
     middle = np.reshape([CORNERS[int(surface.domain.shape[f])].mean(axis=0) for f in face], (-1, 2))
     at = surface.normals(face, uv)
     far, near = (
-        np.abs(surface.normals(face, uv + 2.0**-level * (middle - uv)) - at).max(initial=0) for level in (12, 30)
+        np.abs(surface.normals(face, uv + 2.0**-level * (middle - uv)) - at).max(initial=0) for level in (24, 36)
     )
     assert near < 0.01
-    assert near <= 0.85**18 * far + 1e-6
+    # Rounding counts 2^36 times.
+    assert near <= 1.2 * 0.8592**12 * far + 1e-5

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from shapes.parameters import CASES, CORNERS, DUAL, anywhere, child_of, inside, parents, size, surface_of
+from shapes.parameters import CASES, CORNERS, DUAL, child_of, inside, parents, size, surface_of
 from shapes.zoo import scattered
-from shapes.zoom import can_be_cut_out, zoom
 from subdfit.limit import LimitSurface
 from subdfit.mesh.control_mesh import ControlMesh
 
@@ -57,23 +56,22 @@ def test_limit_rows_are_a_left_fixed_point_of_refinement(scheme, name):
     np.testing.assert_allclose(later[: len(points)], surface.vertex_limits(), rtol=0, atol=1e-14 * 10 * size(fine))
 
 
-@pytest.mark.parametrize("strewn", [False, True])
-def test_limit_equals_deep_refinement_at_all_dyadic_points(surface, strewn):
-    if strewn:
-        surface = surface.with_points(scattered(surface.control_mesh, 1).points)
-    scheme, mesh, domain = surface.scheme, surface.control_mesh, surface.domain
+def test_limit_equals_deep_refinement_at_all_dyadic_points(surface):
+    scheme, topology, domain = surface.scheme, surface.topology, surface.domain
+    strewn = surface.with_points(scattered(surface.control_mesh, 1).points)
+    points = np.hstack([surface.control_mesh.points, strewn.control_mesh.points])
     cell = np.arange(domain.face_count)
     place = np.array([np.vstack([CORNERS[int(n)], np.zeros((4 - n, 2))]) for n in domain.shape])
-    for _ in range(4 if mesh.topology.face_count < 40 else 2):
-        parent, corners = parents(scheme.name, mesh.topology)
-        mesh = refined(LimitSurface(mesh, scheme))
+    for _ in range(4 if topology.face_count < 40 else 2):
+        (parent, corners), step = parents(scheme.name, topology), scheme.refine(topology)
         place, cell = at(place[parent], domain.shape[parent], corners), cell[parent]
-        domain = scheme.domain(mesh.topology)
-    limits = scheme.limit_rows(mesh.topology) @ mesh.points
+        topology, points = step.child, step.matrix @ points
+        domain = scheme.domain(topology)
+    limits = scheme.limit_rows(topology) @ points
     row, corner = np.nonzero(domain.vertex >= 0)
-    value = surface.evaluate(cell[row], place[row, corner]).position
-    expected = limits[domain.vertex[row, corner]]
-    assert np.abs(value - expected).max() < 1e-12 * size(surface.control_mesh)
+    value = [s.evaluate(cell[row], place[row, corner]).position for s in (surface, strewn)]
+    gap = np.abs(np.hstack(value) - limits[domain.vertex[row, corner]]).reshape(-1, 2, 3).max(axis=(0, 2))
+    assert (gap < 1e-12 * np.array([size(surface.control_mesh), size(strewn.control_mesh)])).all()
 
 
 def at(place, shape, uv):
@@ -81,16 +79,6 @@ def at(place, shape, uv):
     last = np.where((shape == 3)[:, None], place[:, 2], place[:, 3])
     axes = np.stack([place[:, 1] - place[:, 0], last - place[:, 0]], axis=1)
     return place[:, None, 0] + np.einsum("kcd,kdx->kcx", uv, axes)
-
-
-@pytest.mark.parametrize(("scheme", "name"), [case for case in CASES if can_be_cut_out(*case)])
-def test_a_second_evaluator_without_patches_agrees(scheme, name):
-    surface = surface_of(scheme, name)
-    face, uv = anywhere(surface.domain, per_cell=1, seed=2, nearest=3.0)
-    chosen = np.random.default_rng(3).permutation(len(face))[: 2 if scheme in DUAL else 5]
-    expected = [zoom(scheme, surface.control_mesh, face[k], uv[k]) for k in chosen]
-    value = surface.evaluate(face[chosen], uv[chosen]).position
-    assert np.abs(value - expected).max() < 1e-12 * size(surface.control_mesh)
 
 
 def test_the_refined_mesh_has_the_same_surface(surface):

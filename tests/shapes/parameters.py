@@ -4,11 +4,8 @@ from functools import cache
 
 import numpy as np
 
-from shapes.curved import CURVED
 from shapes.kinds import cover
-from shapes.mixed import MIXED
-from shapes.polygons import POLYGONS
-from shapes.zoo import ZOO, mesh_of
+from shapes.zoo import mesh_of, shapes
 from subdfit.errors import InputError
 from subdfit.limit import LimitSurface
 from subdfit.mesh.control_mesh import ControlMesh
@@ -18,20 +15,8 @@ from subdfit.schemes.domain import TRIANGLE
 
 CORNERS = {3: np.array([[0, 0], [1, 0], [0, 1.0]]), 4: np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]])}
 
-TASTE = ("tetrahedron", "fan 5", "half fan 1", "half fan 4", "dart 5", "parted 6 2", "semi across")
-"""Triangle meshes that schemes for polygons see too."""
-
 DUAL = ("doo-sabin", "doo-sabin-averaging")
 """Schemes whose vertices are face corners: a cell lies between a vertex, two edges and a face."""
-
-DUAL_TASTE = ("two triangles", "half fan 2", "half fan 8", "crease ring", "crease across", "pinned boundary", "disc")
-"""Triangle meshes with curves, beside which these schemes have rules of their own."""
-
-AVERAGING_TASTE = ("tetrahedron", "prism 8", "house", "hanging", "open dodecahedron", "crease across", "starred fan")
-"""Shapes with faces that are no quads, on which alone the masks differ."""
-
-SEAMLESS_TASTE = ("boundary dart 6", "parted 6 2", "house", "hanging", "quad dart", "half quad fan 3")
-"""Meshes without seams, or with larger faces, that the scheme for triangles and quads sees too."""
 
 
 @cache
@@ -49,21 +34,9 @@ def takes(scheme, mesh):
     return True
 
 
-def names_for(scheme):
-    """The shapes that the laws show a scheme."""
-    names = ZOO if scheme == "loop" else (*TASTE, *POLYGONS)
-    if scheme == "doo-sabin":
-        names = (*names, *DUAL_TASTE, *CURVED)
-    elif scheme in DUAL:
-        names = AVERAGING_TASTE
-    elif scheme == "quad-triangle":
-        names = (*SEAMLESS_TASTE, *MIXED)
-    return [name for name in names if takes(scheme, mesh_of(name))]
+CASES = [(scheme, name) for scheme in SCHEMES for name in shapes() if takes(scheme, mesh_of(name))]
 
-
-CASES = [(scheme, name) for scheme in SCHEMES for name in names_for(scheme)]
-
-SOME = [(scheme, name) for scheme in SCHEMES for name in cover(names_for(scheme))]
+SOME = [(scheme, name) for scheme in SCHEMES for name in cover([name for taker, name in CASES if taker == scheme])]
 """Few of them that have every kind of vertex, for what rests on the laws."""
 
 

@@ -301,10 +301,16 @@ ZOO: dict[str, Shape] = {
 
 
 @cache
-def mesh_of(name: str) -> ControlMesh:
-    """Return a shape of the zoo, made once."""
+def shapes() -> dict[str, Shape]:
+    """Return the whole zoo: triangles, polygons, and both."""
     from shapes.curved import CURVED
     from shapes.mixed import MIXED
     from shapes.polygons import POLYGONS
 
-    return (ZOO | POLYGONS | CURVED | MIXED)[name]()
+    return ZOO | POLYGONS | CURVED | MIXED
+
+
+@cache
+def mesh_of(name: str) -> ControlMesh:
+    """Return a shape of the zoo, made once."""
+    return shapes()[name]()

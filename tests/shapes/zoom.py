@@ -3,16 +3,18 @@
 import numpy as np
 
 from shapes.parameters import CORNERS, DUAL, child_of, face_corners
+from shapes.zoo import mesh_of
 from subdfit.mesh.topology import Topology
 from subdfit.schemes import SCHEMES
 
 
 def can_be_cut_out(scheme, name):
-    """Whether refinement of a part is that of the whole, and quick.
+    """Whether refinement of a part is that of the whole.
 
-    For dual schemes the edge of a part is a curve that joins the others, and parts are larger.
+    For dual schemes the edge of a part is a curve, which joins those that are there already.
     """
-    return scheme not in DUAL or name in ("tetrahedron", "prism 8", "house", "extruded")
+    t = mesh_of(name).topology
+    return scheme not in DUAL or not ((t.sharpness > 0).any() or (t.corner_sharpness > 0).any())
 
 
 def neighbourhood(topology, points, face, rings=1):
