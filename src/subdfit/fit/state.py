@@ -160,6 +160,18 @@ class FitState:
         distance[rows[better]] = found.distance[better]
         return replace(self, face=face, uv=uv, distance=distance)
 
+    def assured(self, threshold: float) -> "FitState":
+        """Footpoints of points farther than `threshold` found for certain: descent may end where none is nearest."""
+        rows = np.flatnonzero(self.distance > threshold)
+        if len(rows) == 0:
+            return self
+        found = Projector(self.surface, FOOTPOINT_TOLERANCE).certain(self.data.points[rows])
+        nearer = found.distance < self.distance[rows]
+        face, uv, distance = self.face.copy(), self.uv.copy(), self.distance.copy()
+        face[rows[nearer]], uv[rows[nearer]] = found.face[nearer], found.uv[nearer]
+        distance[rows[nearer]] = found.distance[nearer]
+        return replace(self, face=face, uv=uv, distance=distance)
+
     def _facing(self, rows: NDArray[np.int64], face: NDArray[np.int32], uv: Floats) -> Floats:
         """Cosine between the normals of some data and of the surface at given places, (k,)."""
         return np.asarray(np.einsum("kd,kd->k", self.surface.normals(face, uv), self.data.normals[rows]))

@@ -85,7 +85,7 @@ class Apart:
         most = int(np.searchsorted(added, self._hold.room(state), side="right"))
         while most > 0:
             some = sorted(good[:most])
-            found = _made(state, [changes[k] for k in some], [tried[k] for k in some])
+            found = self._hold.assured(_made(state, [changes[k] for k in some], [tried[k] for k in some]))
             if self._hold.holds_elsewhere(found.state):
                 return found
             most //= 2

@@ -91,9 +91,8 @@ class _Batch:
 
     def moved(self, hold: Hold) -> "_Batch":
         """The same, optimised near the changes."""
-        return replace(
-            self, kept=replace(self.kept, state=hold.moved_near(self.kept.state, np.asarray(self.near.any(axis=0))))
-        )
+        state = hold.moved_near(self.kept.state, np.asarray(self.near.any(axis=0)))
+        return replace(self, kept=hold.assured(replace(self.kept, state=state)))
 
     @cached_property
     def _changed(self) -> Flags:

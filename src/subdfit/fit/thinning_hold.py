@@ -1,6 +1,6 @@
 """What a lighter fit must go on to hold, and all its control points moved to hold it better."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -120,6 +120,10 @@ class Hold:
         curves = sparse_curve_samples(some, np.ones(state.surface.domain.face_count, np.bool_))
         part = Part(some, samples, curves, free, STEPS, GAIN)
         return state.followed(Descent(TangentSettings(), self.bound, DAMPING).moved(part), rows)
+
+    def assured(self, kept: Kept) -> Kept:
+        """The same fit, no point of which counts as too far off because its footpoint was missed."""
+        return kept if self.tolerance.max is None else replace(kept, state=kept.state.assured(self.tolerance.max))
 
     def settled(self, state: FitState) -> FitState:
         """The state moved until both its sides hold; as it was, where a few rounds do not bring that about."""
