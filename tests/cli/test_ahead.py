@@ -6,7 +6,8 @@ import sys
 
 import pytest
 
-from subdfit.api.rehearsal import rehearse
+import subdfit
+from subdfit.api import rehearsal
 from subdfit.cli import ahead
 from subdfit.compiled import CompileClock
 from subdfit.schemes import SCHEMES
@@ -70,8 +71,14 @@ def test_after_a_rehearsal_a_fit_compiles_nothing(sphere, tmp_path):
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
-def test_every_scheme_can_be_rehearsed(scheme):
-    rehearse(scheme)
+def test_a_rehearsal_ends_with_a_fit_by_the_scheme(scheme, monkeypatch):
+    results = []
+    monkeypatch.setattr(rehearsal, "fit", lambda *args, **how: results.append(subdfit.fit(*args, **how)))
+    rehearsal.rehearse(scheme)
+    (result,) = results
+    assert result.control_mesh.scheme == scheme
+    assert len(result.history) > 1
+    assert result.measurement.reverse_max > 0
 
 
 def test_one_process_helps_from_the_first_kernel_on_and_ends_with_the_fit(started):

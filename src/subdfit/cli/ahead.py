@@ -19,6 +19,7 @@ def compiling_ahead(scheme: str, threads: int | None, memory: str | None) -> Ite
     helpers: list[subprocess.Popen[bytes]] = []
 
     def start() -> None:
+        """Start the second process, if this machine lets us."""
         code = f"from subdfit.api.rehearsal import rehearse; rehearse({scheme!r})"
         quiet = subprocess.DEVNULL
         with suppress(OSError):

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from subdfit.curves.network import bent_nodes, fit_network, sharp_vertices
 from subdfit.initial.lavoue_whole import PatchError, join_patches
 from subdfit.mesh.control_mesh import ControlMesh
-from subdfit.target.features import automatic_creases
+from subdfit.target.features import automatic_creases, edges_among
 from subdfit.target.network import Cuts, curve_network
 from subdfit.target.segmentation import SegmentationSettings, segment_mesh
 from subdfit.target.segmentation_cutting import halved, part_cuts, without_handles
@@ -52,13 +52,8 @@ def cut_part(target: Target, settings: SegmentationSettings | None = None) -> Cu
     found = segment_mesh(target, settings)
     cuts = part_cuts(target.points, triangles, found.labels, found.feature_edges)
     cuts = without_handles(target.points, triangles, cuts)
-    inner = cuts.exact & ~_among(cuts.edges, target.boundary_edges)
+    inner = cuts.exact & ~edges_among(cuts.edges, target.boundary_edges)
     return CutPart(replace(target, crease_edges=cuts.edges[inner]), cuts)
-
-
-def _among(edges: Indices, others: Indices) -> NDArray[np.bool_]:
-    key = np.array([int(edges.max(initial=0)) + 1, 1])
-    return np.isin(np.sort(edges, axis=1) @ key, np.sort(others, axis=1) @ key)
 
 
 def whole_start(part: CutPart, tolerance: float) -> ControlMesh:

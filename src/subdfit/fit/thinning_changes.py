@@ -60,12 +60,16 @@ class Collapse(Change):
         edits.collapse(self.first, self.second)
 
 
-class Merge(Change):
-    """The faces on both sides of the edge become one."""
+class BetweenFaces(Change, ABC):
+    """A change of the two faces at the edge, and of no others."""
 
     def near(self, edits: PolygonEdits) -> set[int]:
         """Vertices of the two faces."""
         return {v for face in edits.faces_at(self.first) & edits.faces_at(self.second) for v in edits.rings[face]}
+
+
+class Merge(BetweenFaces):
+    """The faces on both sides of the edge become one."""
 
     def make(self, edits: PolygonEdits) -> None:
         """Remove the edge."""

@@ -1,17 +1,18 @@
 """Control edges that turn to follow the lines of curvature (Lavoué et al. 2007, equation 4, on a control mesh)."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from subdfit.fit.thinning_changes import FOLDED, Change, Polygons
+from subdfit.fit.thinning_changes import FOLDED, BetweenFaces, Change, Polygons
 from subdfit.limit.curvature import PrincipalCurvature, principal_curvature, unit
 from subdfit.mesh.polygon_edits import PolygonEdits
 from subdfit.target.curvature import ball_curvature, default_radius
-from subdfit.target.features import mesh_edges
+from subdfit.target.features import edges_among, mesh_edges
 from subdfit.target.target import Target
 
 Floats = NDArray[np.float64]
@@ -29,15 +30,11 @@ THIN = 0.05
 
 
 @dataclass(frozen=True)
-class Turn(Change):
+class Turn(BetweenFaces):
     """The edge goes round by one vertex of the two faces beside it, forward or back."""
 
     forward: bool
     must_gain: ClassVar[bool] = True
-
-    def near(self, edits: PolygonEdits) -> set[int]:
-        """Vertices of the two faces."""
-        return {v for face in edits.faces_at(self.first) & edits.faces_at(self.second) for v in edits.rings[face]}
 
     def make(self, edits: PolygonEdits) -> None:
         """Turn the edge."""
@@ -62,11 +59,16 @@ class Alignment:
         """The lines of curvature of a target."""
         points, triangles = target.points, np.ascontiguousarray(target.triangles, np.int32)
         edges = mesh_edges(points, triangles)
-        walls = _among(edges.vertices, target.crease_edges, len(points))
+        walls = edges_among(edges.vertices, target.crease_edges)
         every, radius = np.arange(len(triangles), dtype=np.int32), default_radius(points, edges)
         middles = points[triangles].mean(axis=1)
         radii = np.full(len(triangles), radius)
         return cls(target, principal_curvature(*ball_curvature(points, triangles, edges, middles, every, radii, walls)))
+
+    @cached_property
+    def _plain(self) -> NDArray[np.bool_]:
+        """Triangles where the target has no lines of curvature."""
+        return self.curvature.isotropic(least=FLAT / self.target.diagonal)
 
     def degrees(self, begin: Floats, end: Floats) -> Floats:
         """Mean angles between chords, from (k, 3) to (k, 3), and the line of curvature that each follows better, (k,).
@@ -77,7 +79,7 @@ class Alignment:
         places = begin[:, None] * (1 - share) + end[:, None] * share
         rows = self.target.tree.closest(places.reshape(-1, 3)).triangle
         chord = np.repeat(unit(end - begin), SAMPLES, axis=0)
-        plain = self.curvature.isotropic(least=FLAT / self.target.diagonal)[rows]
+        plain = self._plain[rows]
         angles = []
         for direction in (self.curvature.minimum_direction, self.curvature.maximum_direction):
             cosine = np.abs(np.einsum("kx,kx->k", direction[rows], chord))
@@ -97,12 +99,6 @@ class Alignment:
                     before, after = self.degrees(limits[[v, one[0]]], limits[[w, one[-1]]])
                     found += [Turn(v, w, float(after - before), forward)] if after < before - GAIN else []
         return list[Change](sorted(found, key=lambda turn: turn.cost)[:1])
-
-
-def _among(edges: NDArray[np.integer], some: NDArray[np.integer], count: int) -> NDArray[np.bool_]:
-    """Which edges, pairs of fewer than `count` vertices, are among some, (e,)."""
-    key = np.array([count, 1])
-    return np.isin(np.sort(edges, axis=1) @ key, np.sort(some, axis=1) @ key)
 
 
 def _fair(one: Floats, other: Floats) -> bool:

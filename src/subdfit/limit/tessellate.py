@@ -107,15 +107,16 @@ def _smooth_links(domain: Domain, nodes: _Nodes, segments: int) -> Nodes:
     """Pairs of nodes, (p, 2), that are one point seen from both sides of a side that is not sharp."""
     across = (domain.neighbour >= 0) & ~domain.sharp
     at = np.round(nodes.uv * segments).astype(np.int64)
-    key = nodes.face * (int(nodes.number.max(initial=0)) + 1) + nodes.number
+    numbers = int(nodes.number.max(initial=0)) + 1
+    key = nodes.face * numbers + nodes.number
     order = np.argsort(key, kind="stable")
     found = [np.empty((0, 2), np.int64)]
     for shape in (TRIANGLE, QUAD):
         for side, flags in enumerate(_on_sides(shape, at, segments)):
             own = np.flatnonzero(flags & (domain.shape[nodes.face] == shape) & across[nodes.face, side])
             beyond = domain.neighbour[nodes.face[own], side].astype(np.int64)
-            wanted = beyond * (int(nodes.number.max(initial=0)) + 1) + nodes.number[own]
-            found.append(np.column_stack([own, order[np.searchsorted(key[order], wanted)]]))
+            wanted = beyond * numbers + nodes.number[own]
+            found.append(np.column_stack([own, order[np.searchsorted(key, wanted, sorter=order)]]))
     return np.concatenate(found)
 
 

@@ -105,13 +105,7 @@ class PolygonEdits:
 
     def may_merge(self, a: int, b: int, most_corners: int) -> bool:
         """Whether the two faces at the edge between a and b may become one."""
-        both = sorted(self._faces[a] & self._faces[b])
-        if frozenset((a, b)) in self._sharp or len(both) != 2:
-            return False
-        one, other = (self.rings[face] for face in both)
-        if set(one) & set(other) != {a, b} or len(one) + len(other) - 2 > most_corners:
-            return False
-        return all(len(self._faces[v]) > (1 if v in self._rim else FEWEST_FACES) for v in (a, b))
+        return self._may_go(a, b) and len(self._outline(a, b)[0]) <= most_corners
 
     def merge(self, a: int, b: int) -> int:
         """Remove the edge between a and b; the face that is left."""
@@ -127,17 +121,11 @@ class PolygonEdits:
 
         Vertices keep as many faces as other edits leave them, and no two come to share a face beyond their edge.
         """
-        both = self._faces[a] & self._faces[b]
-        if frozenset((a, b)) in self._sharp or len(both) != 2:
-            return False
-        one, other = (self.rings[face] for face in both)
-        if set(one) & set(other) != {a, b}:
-            return False
-        if not all(len(self._faces[v]) > (1 if v in self._rim else FEWEST_FACES) for v in (a, b)):
+        if not self._may_go(a, b):
             return False
         ring, _ = self.turned(a, b, forward)
-        u, w = ring[0], ring[-1]
-        return self._faces[u] & self._faces[w] <= both and max(len(self._faces[u]), len(self._faces[w])) < MOST_FACES
+        one, other = self._faces[ring[0]], self._faces[ring[-1]]
+        return one & other <= self._faces[a] & self._faces[b] and max(len(one), len(other)) < MOST_FACES
 
     def turned(self, a: int, b: int, forward: bool) -> tuple[Ring, Ring]:
         """What two faces become when the edge between a and b goes round by one vertex, forward or back.
@@ -159,6 +147,16 @@ class PolygonEdits:
             self.rings[face] = ring
             for u in ring:
                 self._faces[u].add(face)
+
+    def _may_go(self, a: int, b: int) -> bool:
+        """Whether the edge between a and b is smooth, its two faces meet in it alone, and its ends can do without."""
+        both = self._faces[a] & self._faces[b]
+        if frozenset((a, b)) in self._sharp or len(both) != 2:
+            return False
+        one, other = (self.rings[face] for face in both)
+        if set(one) & set(other) != {a, b}:
+            return False
+        return all(len(self._faces[v]) > (1 if v in self._rim else FEWEST_FACES) for v in (a, b))
 
     def _outline(self, a: int, b: int) -> tuple[Ring, int]:
         """The ring round the two faces at an edge, from one end of it on, and where in it the other end comes."""

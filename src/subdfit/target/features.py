@@ -70,6 +70,12 @@ def mesh_edges(points: NDArray[np.float64], triangles: NDArray[np.integer]) -> E
     return Edges(ends[order[first]], faces, valence, angle, of_face.reshape(-1, 3))
 
 
+def edges_among(edges: NDArray[np.integer], some: NDArray[np.integer]) -> NDArray[np.bool_]:
+    """Which edges, (e, 2) vertices in either order, are among some others, (e,)."""
+    key = np.array([max(int(edges.max(initial=0)), int(some.max(initial=0))) + 1, 1])
+    return np.isin(np.sort(edges, axis=1) @ key, np.sort(some, axis=1) @ key)
+
+
 def _angles(pairs: NDArray[np.float64]) -> NDArray[np.float64]:
     """Degrees between the two vectors of each pair (k, 2, 3); 0 where one vanishes."""
     a, b = pairs[:, 0], pairs[:, 1]
