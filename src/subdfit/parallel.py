@@ -1,7 +1,6 @@
 """Threads over chunks of fixed size: the result does not depend on how many threads there are."""
 
 import os
-import threading
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
@@ -11,7 +10,6 @@ T = TypeVar("T")
 
 _threads = os.cpu_count() or 1
 _pool: ThreadPoolExecutor | None = None
-_local = threading.local()
 
 
 def set_threads(count: int | None) -> None:
@@ -46,20 +44,27 @@ def map_chunks(job: Callable[[int, int], T], count: int, size: int = 4096) -> li
 def map_items(job: Callable[[S], T], items: Iterable[S]) -> list[T]:
     """Call `job` for each of some items; results come in their order.
 
-    A job may map chunks or items itself: these then stay on its thread.
+    The calling thread takes part, and takes what no other has begun: so a job may map chunks or items itself, which
+    threads without work of their own then share, and none waits for one that waits for it.
     """
     items = list(items)
-    if _threads == 1 or len(items) <= 1 or getattr(_local, "works", False):
+    if _threads == 1 or len(items) <= 1:
         return [job(item) for item in items]
-    return list(_shared_pool().map(job, items))
+    pool = _shared_pool()
+    others = [pool.submit(job, item) for item in items[1:]]
+    try:
+        results = [job(items[0])]
+        for item, other in zip(items[1:], others, strict=True):
+            results.append(job(item) if other.cancel() else other.result())
+    finally:
+        for other in others:
+            other.cancel()
+    return results
 
 
 def _shared_pool() -> ThreadPoolExecutor:
+    """Threads beside the calling one."""
     global _pool
     if _pool is None:
-        _pool = ThreadPoolExecutor(_threads, thread_name_prefix="subdfit", initializer=_mark_worker)
+        _pool = ThreadPoolExecutor(_threads - 1, thread_name_prefix="subdfit")
     return _pool
-
-
-def _mark_worker() -> None:
-    _local.works = True

@@ -95,6 +95,24 @@ def test_creases_are_not_curvature():
         assert low <= sagitta(rises(mesh.vertices, mesh.faces, edges)).max() < high
 
 
+@pytest.mark.parametrize("height", [0.1, 0.3, 1.0, 2.0, 6.0])
+@pytest.mark.parametrize("rim", ["crease", "smooth", "double"])
+def test_a_tip_is_not_curvature(height, rim):
+    """The facets of a cone reach from rim to tip: along them it is straight, and only in the rim does it lie off."""
+    sections = 64
+    angle = TURN * np.arange(sections) / sections
+    ring = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(sections)])
+    points = np.concatenate([ring, [[0.0, 0.0, height], [0.0, 0.0, -height if rim == "double" else 0.0]]])
+    here = np.arange(sections)
+    there = np.roll(here, -1)
+    up = np.column_stack([here, there, np.full(sections, sections)])
+    down = np.column_stack([there, here, np.full(sections, sections + 1)])
+    edges = np.column_stack([here, there])
+    found = rises(points, np.concatenate([up, down]), NO_EDGES if rim == "smooth" else edges)
+    # Between the rim and its chords.
+    assert sagitta(found).max() <= 1.1 * (1 - np.cos(TURN / 2 / sections))
+
+
 def test_sagitta_scales_and_does_not_move_with_the_model():
     mesh = trimesh.creation.torus(3.0, 1.0)
     base = rises(mesh.vertices, mesh.faces, NO_EDGES)

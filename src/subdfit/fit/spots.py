@@ -111,6 +111,8 @@ def spots_moved(state: FitState, moving: Flags, weights: TangentSettings, bound:
         spot = Spot(some, region.inner, free, segments, weights, bound)
         return region.vertices[free], spot.moved(insistence)[free]
 
-    for vertices, places in map_items(moved, regions(state.surface, moving)):
+    # The largest first: threads that are done with others then share its work.
+    largest_first = sorted(regions(state.surface, moving), key=lambda found: -len(found[0].inner))
+    for vertices, places in map_items(moved, largest_first):
         points[vertices] = places
     return state.onto(state.surface.with_points(points), state.face, state.uv)

@@ -116,10 +116,17 @@ class Hold:
 
     def _moved(self, state: FitState, samples: Samples, free: Flags) -> FitState:
         some, rows = state.thinned(ENOUGH)
-        samples = samples.joined(strays(state.surface, state.data.target, self.bound, share=DRAWN))
+        samples = samples.joined(self._strays(state))
         curves = sparse_curve_samples(some, np.ones(state.surface.domain.face_count, np.bool_))
         part = Part(some, samples, curves, free, STEPS, GAIN)
         return state.followed(Descent(TangentSettings(), self.bound, DAMPING).moved(part), rows)
+
+    def _strays(self, state: FitState) -> Samples:
+        """What strays by half the bound and more, peaks between samples only where a largest error is asked."""
+        surface, target = state.surface, state.data.target
+        if self.tolerance.max is not None:
+            return strays(surface, target, self.bound, share=DRAWN)
+        return even_samples(surface, target, reverse_segments(surface.domain), bound=DRAWN * self.bound)
 
     def assured(self, kept: Kept) -> Kept:
         """The same fit, no point of which counts as too far off because its footpoint was missed."""

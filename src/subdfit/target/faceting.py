@@ -12,6 +12,11 @@ Floats = NDArray[np.float64]
 
 CHUNK = 16384
 
+TIP = 0.6
+"""A vertex whose normal leans against a side by more than this sine is a tip: no smooth surface is known there."""
+ALIKE = 2.0
+"""A smooth surface bends alike at both ends of a side: more than so many times the other's is none."""
+
 
 def rises(points: Floats, triangles: NDArray[np.integer], crease_edges: NDArray[np.integer]) -> Floats:
     """Vectors from the middles of the sides of triangles to the smooth surface they stand for, (m, 3, 3) float64.
@@ -20,6 +25,9 @@ def rises(points: Floats, triangles: NDArray[np.integer], crease_edges: NDArray[
     (Vlachos et al., Curved PN triangles, 2001, section 3) over normals that are averaged within smooth sectors only, so
     that creases do not count as curvature. With ``w_ij = (p_j - p_i) . n_i`` it lies ``-(w_ij n_i + w_ji n_j) / 8`` off
     the middle of side ij. Both triangles beside a side have the same; beside a crease, the longer of theirs.
+
+    A mesh says this of smooth surfaces alone. At the tip of a cone the averaged normal is the axis, and such a triangle
+    bulges by a tenth of its length where the surface is straight: there `w_ij` is 0 or that of the side's other end.
 
     Parameters
     ----------
@@ -34,8 +42,8 @@ def rises(points: Floats, triangles: NDArray[np.integer], crease_edges: NDArray[
     for i in range(3):
         j = (i + 1) % 3
         chord, n_i, n_j = corners[:, j] - corners[:, i], normals[:, i], normals[:, j]
-        found[:, i] = np.einsum("td,td->t", chord, n_j)[:, None] * n_j
-        found[:, i] -= np.einsum("td,td->t", chord, n_i)[:, None] * n_i
+        w_i, w_j = _bends(chord, n_i, n_j)
+        found[:, i] = -(w_i[:, None] * n_i + w_j[:, None] * n_j)
     found /= 8.0
     return _shared_at_creases(found, triangles, creases)
 
@@ -66,6 +74,15 @@ def sagitta(rise: Floats) -> Floats:
     """
     centre = np.linalg.norm(rise.sum(axis=1), axis=1) * (4.0 / 9.0)
     return np.asarray(np.maximum(np.linalg.norm(rise, axis=2).max(axis=1, initial=0.0), centre))
+
+
+def _bends(chord: Floats, n_i: Floats, n_j: Floats) -> tuple[Floats, Floats]:
+    """``w_ij`` and ``w_ji`` of sides, (m,) each, as far as a smooth surface may be meant."""
+    w = np.stack([np.einsum("td,td->t", chord, n_i), -np.einsum("td,td->t", chord, n_j)])
+    w[np.abs(w) > TIP * np.linalg.norm(chord, axis=1)] = 0.0
+    most = ALIKE * np.abs(w).min(axis=0)
+    w_i, w_j = np.clip(w, -most, most)
+    return w_i, w_j
 
 
 def _shared_at_creases(rise: Floats, triangles: NDArray[np.integer], creases: NDArray[np.int64]) -> Floats:
