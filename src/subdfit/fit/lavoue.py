@@ -22,6 +22,7 @@ from subdfit.fit.stop import badness, within
 from subdfit.fit.thinning_hold import Hold
 from subdfit.measure import reverse_segments
 from subdfit.mesh.control_mesh import ControlMesh
+from subdfit.target.features import along_edges
 from subdfit.target.target import Target
 
 Rows = NDArray[np.int64]
@@ -131,4 +132,4 @@ def lavoue_start(target: Target, settings: FitSettings) -> tuple[Target, Control
     count, most = mesh.topology.vertex_count, settings.max_control_vertices
     if most is not None and count > most:
         raise InputError(f"the part's faces and edges take {count} control vertices; allow so many, or a larger error")
-    return replace(target, crease_edges=part.target.crease_edges), mesh
+    return replace(target, crease_edges=along_edges(target.points, target.triangles, part.target.crease_edges)), mesh

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
+from scipy.sparse.csgraph import connected_components, dijkstra
 
 from subdfit.target.normals import face_normals
 
@@ -74,6 +74,33 @@ def edges_among(edges: NDArray[np.integer], some: NDArray[np.integer]) -> NDArra
     """Which edges, (e, 2) vertices in either order, are among some others, (e,)."""
     key = np.array([max(int(edges.max(initial=0)), int(some.max(initial=0))) + 1, 1])
     return np.isin(np.sort(edges, axis=1) @ key, np.sort(some, axis=1) @ key)
+
+
+def along_edges(
+    points: NDArray[np.float64], triangles: NDArray[np.integer], wanted: NDArray[np.integer]
+) -> NDArray[np.int64]:
+    """Edges of a mesh, (k, 2) int64, that lead from end to end of wanted ones, (w, 2): these, or the shortest way.
+
+    Parameters
+    ----------
+    points : (n, 3) float64.
+    triangles : (m, 3) int, rows of `points`.
+    wanted : rows of `points`, such as edges of the same mesh with some of its triangles' sides flipped.
+    """
+    edges = mesh_edges(points, triangles).vertices
+    there = edges_among(wanted, edges)
+    if there.all():
+        return np.asarray(wanted, np.int64)
+    found = [np.sort(wanted[there], axis=1).astype(np.int64)]
+    lengths = np.linalg.norm(np.diff(points[edges], axis=1)[:, 0], axis=1)
+    graph = coo_array((lengths, (edges[:, 0], edges[:, 1])), shape=(len(points), len(points))).tocsr()
+    for start, end in wanted[~there]:
+        _, before = dijkstra(graph, directed=False, indices=start, return_predecessors=True)
+        way = [int(end)]
+        while before[way[-1]] >= 0:
+            way.append(int(before[way[-1]]))
+        found.append(np.sort(np.column_stack([way[:-1], way[1:]]), axis=1).reshape(-1, 2))
+    return np.unique(np.concatenate(found), axis=0)
 
 
 def _angles(pairs: NDArray[np.float64]) -> NDArray[np.float64]:
