@@ -96,7 +96,7 @@ def test_meshes_leave_out_nothing_unless_told(ball):
     assert len(untold.measurement.excluded) == 0
     assert told.status == "within_tolerance"
     assert 17 in told.measurement.excluded
-    assert told.measurement.max < untold.measurement.max / 3
+    assert told.measurement.max <= 0.002 < untold.measurement.max / 2
 
 
 def test_noise_judged_by_rms_is_smoothed_not_followed():

@@ -4,9 +4,11 @@ import numpy as np
 import trimesh
 
 import subdfit
+from shapes.plates import bent_plate
 from subdfit.initial.start import start_mesh
 from subdfit.limit import LimitSurface
-from subdfit.target.bvh import TriangleTree
+from subdfit.target.bvh import SegmentTree, TriangleTree
+from subdfit.target.curves import boundary_edges
 from subdfit.target.normals import face_normals
 from subdfit.target.target import mesh_target
 
@@ -86,3 +88,15 @@ def test_a_start_keeps_a_strand_and_what_it_runs_along_apart():
     facing = face_normals(mesh.points, triangles) * face_normals(target.points, target.triangles[found.triangle])
     assert not np.any((facing.sum(axis=1) < 0) & (found.distance > bound))
     assert len(mesh.points) < 0.05 * len(target.points)
+
+
+def test_corners_of_a_sheet_are_corners_of_the_control_mesh_and_its_holes_stay_open():
+    points, triangles = bent_plate()
+    target = mesh_target(points, triangles)
+    mesh = start_mesh(target, None, 0.005 * target.diagonal)
+    corners = mesh.points[mesh.topology.corner_sharpness > 0]
+    square = np.array([[0, 0, 0], [60, 0, 20], [0, 40, 0], [60, 40, 20]], float)
+    np.testing.assert_allclose(corners[np.lexsort(corners[:, :2].T)], square, atol=1e-9)
+    edges = boundary_edges(mesh.topology.triangles)
+    rim = points[np.unique(target.boundary_edges)]
+    assert SegmentTree(mesh.points, edges).closest(rim).distance.max() <= 4 * 0.005 * target.diagonal

@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from subdfit.errors import InputError
-from subdfit.target.curves import boundary_edges, boundary_loops, curves, directions
+from subdfit.target.curves import boundary_corners, boundary_edges, boundary_loops, curves, directions
 from subdfit.target.features import crease_edges
 
 
@@ -103,3 +103,45 @@ def test_loops_of_real_models(meshes, name, count):
     loops = boundary_loops(mesh.faces)
     assert len(loops) == count
     assert all(curve.closed for curve in loops)
+
+
+def ring(count):
+    here = np.arange(count)
+    return np.column_stack([here, np.roll(here, -1)])
+
+
+def polygon(corners, parts):
+    """A closed polygon whose sides are cut into parts."""
+    corners = np.asarray(corners, float)
+    t = np.arange(parts)[:, None] / parts
+    sides = zip(corners, np.roll(corners, -1, axis=0), strict=True)
+    return np.concatenate([a + t * (b - a) for a, b in sides])
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.003])
+@pytest.mark.parametrize(
+    "corners", [[(0, 0), (3, 0), (3, 2), (0, 2)], [(0, 0), (3, 0), (3, 3), (2, 3), (2, 1), (0, 1)]]
+)
+def test_corners_of_a_boundary_are_found_and_no_more(corners, noise):
+    flat = polygon(corners, 12)
+    points = np.column_stack([flat, np.zeros(len(flat))])
+    points += noise * np.random.default_rng(3).standard_normal(points.shape)
+    for edges in (ring(len(points)), ring(len(points))[:, ::-1]):
+        assert boundary_corners(points, edges).tolist() == list(range(0, len(points), 12))
+
+
+@pytest.mark.parametrize("count", [3, 4, 5, 8, 40])
+def test_a_coarse_circle_has_no_corners(count):
+    angle = 2 * np.pi * np.arange(count) / count
+    points = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(count)])
+    assert len(boundary_corners(points, ring(count))) == 0
+
+
+def test_a_ragged_boundary_has_no_corners():
+    """Of a grid, with cells left out at random."""
+    cells = np.argwhere(np.random.default_rng(5).random((30, 30)) < 0.85) @ [31, 1]
+    a, b, c, d = cells, cells + 31, cells + 32, cells + 1
+    edges = boundary_edges(np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])]))
+    points = np.column_stack([*divmod(np.arange(31 * 31), 31), np.zeros(31 * 31)]).astype(float)
+    assert len(edges) > 300
+    assert len(boundary_corners(points, edges)) == 0

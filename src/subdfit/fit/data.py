@@ -22,8 +22,9 @@ class FitData:
     ----------
     points : (k, 3), the target's used vertices, then samples inside large faces.
     vertices : how many of them are vertices.
-    allowance : (k,), what a point may lie off beyond the tolerance: 0 for vertices, the sagitta there for samples;
-        infinite for a vertex that is left out as an outlier.
+    granted : (k,), what a point may lie off beyond the tolerance: 0 for vertices, the sagitta there for samples.
+    triangle : (k,), the target's triangle that holds a sample, -1 for vertices.
+    left_out : (k,) bool, outliers, and samples of their triangles.
     normals : (k, 3), the target's unit normals there; zero where they are not known.
     boundary, crease : rows of the points that lie on the target's boundary, on its creases.
     along : (b, 3), unit directions of the boundary at its points, the triangles on its left; zero where unclear.
@@ -35,7 +36,9 @@ class FitData:
 
     points: Floats
     vertices: int
-    allowance: Floats
+    granted: Floats
+    triangle: NDArray[np.int64]
+    left_out: NDArray[np.bool_]
     normals: Floats
     boundary: NDArray[np.int64]
     crease: NDArray[np.int64]
@@ -50,18 +53,21 @@ class FitData:
         used = target.used
         row = np.full(len(target.points), -1, np.int64)
         row[used] = np.arange(len(used))
-        points, allowance, normals = target.points[used], np.zeros(len(used)), target.normals[used]
+        points, granted, normals = target.points[used], np.zeros(len(used)), target.normals[used]
+        holder = np.full(len(used), -1, np.int64)
         if target.is_mesh and not target.cloud:
             triangle, uv = face_samples(target.points, target.triangles, spacing)
             points = np.concatenate([points, target.on_triangles(triangle, uv)])
             if len(triangle):
-                allowance = np.concatenate([allowance, target.sagitta(triangle, uv)])
+                granted = np.concatenate([granted, target.sagitta(triangle, uv)])
+                holder = np.concatenate([holder, triangle])
                 normals = np.concatenate([normals, face_normals(target.points, target.triangles[triangle])])
         boundary = _known(row[target.boundary_edges])
         crease = np.setdiff1d(_known(row[target.crease_edges]), boundary)
         along = directions(target.points, target.boundary_edges)[used[boundary]]
         mean = _mean_spacing(target, spacing)
-        return cls(points, len(used), allowance, normals, boundary, crease, along, target, mean, bound)
+        none = np.zeros(len(points), np.bool_)
+        return cls(points, len(used), granted, holder, none, normals, boundary, crease, along, target, mean, bound)
 
     def subset(self, rows: NDArray[np.int64]) -> "FitData":
         """The data of some rows, ascending."""
@@ -71,7 +77,9 @@ class FitData:
         return FitData(
             self.points[rows],
             int(np.searchsorted(rows, self.vertices)),
-            self.allowance[rows],
+            self.granted[rows],
+            self.triangle[rows],
+            self.left_out[rows],
             self.normals[rows],
             boundary[boundary >= 0],
             crease[crease >= 0],
@@ -82,11 +90,17 @@ class FitData:
         )
 
     def without(self, outliers: NDArray[np.int64]) -> "FitData":
-        """The same data with these vertices left out, and no others."""
-        allowance = self.allowance.copy()
-        allowance[: self.vertices] = 0.0
-        allowance[outliers] = np.inf
-        return replace(self, allowance=allowance)
+        """The same data with these vertices left out, and no others; the triangles that they hold stand for nothing."""
+        out = np.zeros(len(self.points), np.bool_)
+        out[outliers] = True
+        held = self.target.triangles[self.triangle[self.vertices :]]
+        out[self.vertices :] = np.isin(held, self.target.used[outliers]).any(axis=1)
+        return replace(self, left_out=out)
+
+    @cached_property
+    def allowance(self) -> Floats:
+        """What a point may lie off beyond the tolerance, (k,): infinitely far where it is left out."""
+        return np.where(self.left_out, np.inf, self.granted)
 
     @cached_property
     def suspects(self) -> NDArray[np.int64]:

@@ -13,7 +13,8 @@ from subdfit.initial.reach import within_reach
 from subdfit.initial.sheets import Sheets
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.schemes.scheme import Faces
-from subdfit.target.bvh import TriangleTree
+from subdfit.target.bvh import SegmentTree, TriangleTree
+from subdfit.target.curves import boundary_edges
 from subdfit.target.target import Target
 
 Floats = NDArray[np.float64]
@@ -76,13 +77,14 @@ def start_mesh(
     row = np.full(len(target.points), -1, np.int64)
     row[used] = np.arange(len(used))
     points, triangles, creases = target.points[used], row[target.triangles], row[target.crease_edges]
+    corners = row[target.corners]
     if vertices is not None:
         some = None if weights is None else weights[used]
-        found = decimate(points, triangles, vertices, crease_edges=creases, weights=some)
+        found = decimate(points, triangles, vertices, crease_edges=creases, corners=corners, weights=some)
     else:
         bound = max_error or 1e-3
         sheets = None if target.cloud else Sheets(target, bound)
-        found = _coarse_enough(points, triangles, creases, bound, budget or len(points), sheets)
+        found = _coarse_enough(points, triangles, creases, corners, bound, budget or len(points), sheets)
     asked = vertices is not None and weights is None
     if found.message and asked:
         logger.warning("%s", found.message)
@@ -102,23 +104,29 @@ def _one_sided(triangles: Rows) -> Rows:
 
 
 def _coarse_enough(
-    points: Floats, triangles: Rows, creases: Rows, bound: float, budget: int, sheets: Sheets | None
+    points: Floats, triangles: Rows, creases: Rows, corners: Rows, bound: float, budget: int, sheets: Sheets | None
 ) -> Decimated:
     """Decimate as far as the tolerance lets a fit begin."""
     wanted = min(max(4, round(SHARE * len(points))), budget)
     most = min(max(4, int(LARGEST_SHARE * len(points))), budget)
-    decimation = Decimation(points, triangles, crease_edges=creases)
+    decimation = Decimation(points, triangles, crease_edges=creases, corners=corners)
     dense, found = decimation.down_to(most), decimation.down_to(wanted)
     distance = _distances(points, found)
     while distance.max() > COARSEST * bound and 2 * wanted <= most:
         wanted *= 2
-        found = decimate(points, triangles, wanted, crease_edges=creases)
+        found = decimate(points, triangles, wanted, crease_edges=creases, corners=corners)
         distance = _distances(points, found)
-    return _coarsened(points, dense, found, distance, bound, sheets)
+    return _coarsened(points, triangles, dense, found, distance, bound, sheets)
 
 
 def _coarsened(
-    points: Floats, dense: Decimated, found: Decimated, distance: Floats, bound: float, sheets: Sheets | None
+    points: Floats,
+    triangles: Rows,
+    dense: Decimated,
+    found: Decimated,
+    distance: Floats,
+    bound: float,
+    sheets: Sheets | None,
 ) -> Decimated:
     """Decimate further, as far as the points stay near enough; `distance` (n,) are theirs from what was found."""
     finest, wanted, cloud = found, len(found.points), sheets is None
@@ -128,7 +136,10 @@ def _coarsened(
         coarse = _decimated(finest, wanted, np.ones(len(finest.points)))
         if _strain(_distances(points, coarse), bound, cloud) <= 1:
             most = np.maximum(FARTHEST * bound, SLACK * distance)
-            return _finer_where_wanting(_Wanting(points, most, FARTHEST * bound, sheets), finest, coarse, dense)
+            rim = np.unique(boundary_edges(triangles))
+            most_of_rim = np.maximum(FARTHEST * bound, SLACK * _distances_of_rim(points[rim], finest))
+            wanting = _Wanting(points, most, rim, most_of_rim, FARTHEST * bound, sheets)
+            return _finer_where_wanting(wanting, finest, coarse, dense)
         wanted = int(GROWTH * wanted) + 1
     return finest
 
@@ -140,12 +151,15 @@ class _Wanting:
     Attributes
     ----------
     points, most : the target's points, (n, 3), and how far off each may lie at most, (n,).
+    rim, most_of_rim : rows of those on its boundary, (b,), and how far off the mesh's boundary each may lie, (b,).
     size : length of a triangle's side beyond which what mixes up sheets lies farther off than they may be apart.
     sheets : those not to be mixed up, or None.
     """
 
     points: Floats
     most: Floats
+    rim: Rows
+    most_of_rim: Floats
     size: float
     sheets: Sheets | None
 
@@ -153,6 +167,7 @@ class _Wanting:
         """Such places, (k, 3), how far round each more vertices are needed, (k,), and whether any mixes up sheets."""
         found = TriangleTree(mesh.points, mesh.triangles).closest(self.points)
         far = np.flatnonzero(found.distance > self.most)
+        far = np.concatenate([far, self.rim[_distances_of_rim(self.points[self.rim], mesh) > self.most_of_rim]])
         places, reach = self.points[far], _longest(mesh, found.triangle[far])
         if self.sheets is None:
             return places, REACH * reach, False
@@ -202,3 +217,10 @@ def _strain(distance: Floats, bound: float, all_of_them: bool) -> float:
 def _distances(points: Floats, found: Decimated) -> Floats:
     """Distances of the points from a decimated mesh, (n,)."""
     return TriangleTree(found.points, found.triangles).closest(points).distance
+
+
+def _distances_of_rim(points: Floats, found: Decimated) -> Floats:
+    """Distances of points from the boundary of a decimated mesh, (n,): a loop may shrink within what it bounds."""
+    if len(points) == 0:
+        return np.empty(0)
+    return SegmentTree(found.points, boundary_edges(found.triangles)).closest(points).distance

@@ -144,7 +144,7 @@ def measure(
         boundary=None if target.cloud else _curve_errors(surface, target, inner=False),
         crease=_curve_errors(surface, target, inner=True),
         faceting=target.faceting,
-        samples_excess=_samples_excess(projector, target, spacing),
+        samples_excess=_samples_excess(projector, target, spacing, excluded),
         reverse_excess=reverse.excess,
         reverse_held=_rms_and_mean(held),
         footpoints=data,
@@ -205,10 +205,13 @@ def _highest(
     return float(peaks(surface, samples, value, at, most).gap.max(initial=most))
 
 
-def _samples_excess(projector: Projector, target: Target, spacing: float) -> float:
+def _samples_excess(projector: Projector, target: Target, spacing: float, excluded: NDArray[np.int64]) -> float:
+    """How far samples of large faces lie off beyond the sagitta at most; faces at outliers stand for nothing."""
     if not target.is_mesh or target.cloud:
         return 0.0
     triangle, uv = face_samples(target.points, target.triangles, spacing)
+    kept = ~np.isin(target.triangles[triangle], target.used[excluded]).any(axis=1)
+    triangle, uv = triangle[kept], uv[kept]
     if len(triangle) == 0:
         return 0.0
     distance = projector.certain(target.on_triangles(triangle, uv)).distance

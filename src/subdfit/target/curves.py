@@ -4,9 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from subdfit.errors import InputError
 
+_CORNER, _CONTRAST, _STRAIGHT, _STRAYS = 45.0, 4.0, 3, 0.5
+"""A boundary has a corner where it turns by so many degrees, and by so many times less at so many points to each side;
+but none of a loop of whose turns of so many degrees more than the last share are no corners: it is ragged."""
 TURNING = 0.5
 """Where the directions of the edges before and after a point add up to less, it is one where a curve turns back."""
 
@@ -40,6 +45,37 @@ def boundary_edges(triangles: NDArray[np.integer]) -> NDArray[np.int64]:
     _, first, valence = np.unique(key, return_index=True, return_counts=True)
     single: NDArray[np.int64] = sides[np.sort(first[valence == 1])]
     return single
+
+
+def boundary_corners(points: NDArray[np.float64], edges: NDArray[np.integer]) -> NDArray[np.int64]:
+    """Points, (c,) int64 ascending, at which a boundary that is straight or smooth on both sides turns sharply.
+
+    Parameters
+    ----------
+    points : (n, 3) float64.
+    edges : (b, 2) int, rows of `points`: the boundary, directed.
+    """
+    count = len(points)
+    after, before = np.full(count, -1, np.int64), np.full(count, -1, np.int64)
+    after[edges[:, 0]], before[edges[:, 1]] = edges[:, 1], edges[:, 0]
+    ends = np.bincount(edges.ravel(), minlength=count)
+    turn = np.full(count + 1, 180.0)
+    alone = np.flatnonzero((ends == 2) & (after >= 0) & (before >= 0))
+    coming, going = points[alone] - points[before[alone]], points[after[alone]] - points[alone]
+    across = np.linalg.norm(np.cross(coming, going), axis=1)
+    turn[alone] = np.degrees(np.arctan2(across, np.einsum("kd,kd->k", coming, going)))
+    sharp = alone[turn[alone] >= _CORNER]
+    corners = sharp
+    for neighbour in (after, before):
+        at = corners
+        for _ in range(_STRAIGHT):
+            at = np.where(at >= 0, neighbour[at], -1)
+            kept = _CONTRAST * turn[at] <= turn[corners]
+            corners, at = corners[kept], at[kept]
+    graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(count, count))
+    loop = connected_components(graph, directed=False)[1]
+    turns, found = (np.bincount(loop[at], minlength=count) for at in (sharp, corners))
+    return corners[found[loop[corners]] >= (1 - _STRAYS) * turns[loop[corners]]]
 
 
 def directions(points: NDArray[np.float64], edges: NDArray[np.integer]) -> NDArray[np.float64]:

@@ -12,9 +12,9 @@ Floats = NDArray[np.float64]
 
 CHUNK = 16384
 
-TIP = 0.6
+TIP = 0.7
 """A vertex whose normal leans against a side by more than this sine is a tip: no smooth surface is known there."""
-ALIKE = 2.0
+ALIKE = 8.0
 """A smooth surface bends alike at both ends of a side: more than so many times the other's is none."""
 
 

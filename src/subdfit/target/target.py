@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from subdfit.errors import InputError
 from subdfit.target.bvh import Closest, SegmentTree, TriangleTree
-from subdfit.target.curves import boundary_edges
+from subdfit.target.curves import boundary_corners, boundary_edges
 from subdfit.target.faceting import height, rises, sagitta
 from subdfit.target.features import automatic_creases, crease_edges
 from subdfit.target.frame import Frame
@@ -35,6 +35,7 @@ class Target:
     normals : (n, 3) float64, unit vectors; zero where none is known.
     boundary_edges : (b, 2) int64, with the triangles on the left.
     crease_edges : (c, 2) int64.
+    corners : (k,) int64, points of the boundary at which it turns sharply.
     used : (k,) int64, the points that count: those of triangles, or all of a point cloud.
     diagonal : length of the diagonal of the bounding box of the used points.
     cloud : the triangles were made from the points: they guide, but only the points count as data.
@@ -45,6 +46,7 @@ class Target:
     normals: NDArray[np.float64]
     boundary_edges: NDArray[np.int64]
     crease_edges: NDArray[np.int64]
+    corners: NDArray[np.int64]
     used: NDArray[np.int64]
     diagonal: float
     cloud: bool = False
@@ -130,7 +132,7 @@ def mesh_target(points: NDArray[np.float64], triangles: NDArray[np.integer], *, 
     points : (n, 3) float64; those of no triangle stay but do not count.
     triangles : (m, 3) int, rows of `points`, oriented alike, at most two an edge.
     creases : ``"auto"`` for edges that are surely sharp, ``"none"``, or the angle in degrees above which
-        an edge is a crease.
+        an edge is a crease. Corners of the boundary are looked for unless it is ``"none"``.
 
     Raises
     ------
@@ -144,12 +146,14 @@ def mesh_target(points: NDArray[np.float64], triangles: NDArray[np.integer], *, 
     if faces.min() < 0 or faces.max() >= len(points):
         raise InputError(f"a triangle refers to a point outside 0..{len(points) - 1}; check the faces")
     used = np.unique(faces).astype(np.int64)
+    boundary = boundary_edges(faces)
     return Target(
         points=points,
         triangles=faces,
         normals=vertex_normals(points, faces),
-        boundary_edges=boundary_edges(faces),
+        boundary_edges=boundary,
         crease_edges=_creases(points, faces, creases),
+        corners=np.empty(0, np.int64) if creases == "none" else boundary_corners(points, boundary),
         used=used,
         diagonal=_diagonal(points[used]),
     )
@@ -177,6 +181,7 @@ def point_target(points: NDArray[np.float64], normals: NDArray[np.float64] | Non
         normals=np.zeros_like(points) if normals is None else np.ascontiguousarray(normals, np.float64),
         boundary_edges=np.empty((0, 2), np.int64),
         crease_edges=np.empty((0, 2), np.int64),
+        corners=np.empty(0, np.int64),
         used=np.arange(len(points)),
         diagonal=_diagonal(points),
     )
@@ -195,7 +200,8 @@ def cloud_target(
     """
     guide = mesh_target(points, triangles, creases=creases)
     used = np.arange(len(guide.points)) if used is None else used
-    return replace(guide, used=used, diagonal=_diagonal(guide.points[used]), cloud=True)
+    diagonal, none = _diagonal(guide.points[used]), np.empty(0, np.int64)
+    return replace(guide, corners=none, used=used, diagonal=diagonal, cloud=True)
 
 
 def _points(points: NDArray[np.float64]) -> NDArray[np.float64]:
