@@ -26,7 +26,7 @@ def fitted(sphere, tmp_path_factory):
     names = ("cage.obj", "cage.ply", "cage.json", "surface.stl", "surface.glb")
     outputs = [word for name in names for word in ("-o", str(folder / name))]
     extra = ["--json", str(folder / "run.json"), "--picture", str(folder / "run.png"), "--unit", "mm"]
-    extra += ["--run", str(folder / "saved")]
+    extra += ["--plot", str(folder / "plot.png"), "--run", str(folder / "saved")]
     assert main(["fit", str(sphere), *outputs, "--max-error", "0.3%", "--quiet", *extra]) == 0
     return folder
 
@@ -65,8 +65,9 @@ def test_drawn_formats_hold_the_limit_surface(fitted):
         assert surface.closest(drawn.points).distance.max() < 1e-6
 
 
-def test_the_picture_is_a_picture(fitted):
-    assert (fitted / "run.png").read_bytes().startswith(b"\x89PNG")
+@pytest.mark.parametrize("name", ["run.png", "plot.png"])
+def test_the_pictures_are_pictures(fitted, name):
+    assert (fitted / name).read_bytes().startswith(b"\x89PNG")
 
 
 def test_the_saved_run_holds_what_a_page_needs(fitted):
@@ -143,6 +144,8 @@ def test_quiet_keeps_warnings_only(sphere, tmp_path, capsys):
         (["-o", "x.obj", "-o", "./x.obj"], "is named twice"),
         (["-o", "x.obj", "--json", "x.obj"], "is named twice"),
         (["-o", "x.obj", "--picture", "x.jpg"], "pictures are PNG"),
+        (["-o", "x.obj", "--plot", "x.pdf"], "pictures are PNG"),
+        (["-o", "x.obj", "--picture", "x.png", "--plot", "x.png"], "is named twice"),
         (["-o", "x.obj", "--tessellate", "-1"], "--tessellate is -1"),
         (["-o", "x.obj", "--max-error", "tight"], "max_error is 'tight'"),
         (["-o", "x.obj", "--creases", "sharp"], "creases is 'sharp'"),
@@ -167,9 +170,10 @@ def test_the_target_is_not_overwritten(sphere, capsys):
     assert sphere.read_bytes() == before
 
 
-@pytest.mark.parametrize("option", ["-o", "--json", "--picture"])
+@pytest.mark.parametrize("option", ["-o", "--json", "--picture", "--plot"])
 def test_places_that_cannot_be_written_fail_before_the_work(option, sphere, tmp_path, capsys):
-    outputs = {"-o": tmp_path / "a.obj", "--json": tmp_path / "a.json", "--picture": tmp_path / "a.png"}
+    names = {"-o": "a.obj", "--json": "a.json", "--picture": "a.png", "--plot": "b.png"}
+    outputs = {name: tmp_path / file for name, file in names.items()}
     outputs[option] = tmp_path / "missing" / outputs[option].name
     call = [word for name, path in outputs.items() for word in (name, str(path))]
     assert main(["fit", str(sphere), *call, "--max-error", "1%"]) == 3

@@ -13,7 +13,7 @@ from pixels import sphere
 from subdfit.draw.error_scale import error_scale
 from subdfit.draw.fit_picture import fit_picture
 from subdfit.draw.gallery import Panel, gallery
-from subdfit.draw.history_picture import history_picture
+from subdfit.draw.history_picture import histories_picture, history_picture
 from subdfit.errors import InputError, MachineError
 
 POINTS, TRIANGLES = sphere(12)
@@ -28,7 +28,8 @@ def draw_fit(path, **changes):
     options = {
         "target": (POINTS, TRIANGLES),
         "surface": (1.001 * POINTS, TRIANGLES),
-        "surface_error": np.linspace(0.0, 2e-3, len(POINTS)),
+        "surface_error": np.linspace(0.0, 2e-3, len(TRIANGLES)),
+        "largest": (0.9e-3, 2e-3),
         "control_edges": POINTS[np.stack([TRIANGLES[:, 0], TRIANGLES[:, 1]], axis=1)],
         "control": (POINTS, TRIANGLES),
         "title": "a sphere",
@@ -42,12 +43,16 @@ def draw_history(path):
     history_picture(path, HISTORY, title="a sphere", tolerance=1e-3)
 
 
+def draw_histories(path):
+    histories_picture(path, [("short", HISTORY[:3]), ("long", HISTORY)])
+
+
 def draw_gallery(path):
     panels = [Panel(POINTS, TRIANGLES, f"panel {k}", colors=POINTS[:, 1] if k else None) for k in range(6)]
     gallery(path, panels, title="spheres")
 
 
-@pytest.mark.parametrize("draw", [draw_fit, draw_history, draw_gallery])
+@pytest.mark.parametrize("draw", [draw_fit, draw_history, draw_histories, draw_gallery])
 def test_the_same_picture_has_the_same_bytes_and_no_time_stamp(draw, tmp_path):
     before = dict(matplotlib.rcParams)
     draw(tmp_path / "one.png")
@@ -82,9 +87,9 @@ def test_drawing_needs_no_pyplot_and_no_display(tmp_path):
     "changes",
     [
         {"tolerance": None, "unit": None, "title": ""},
-        {"surface_error": np.zeros(len(POINTS))},
-        {"surface_error": np.linspace(-0.03, 0.02, len(POINTS))},
-        {"surface_error": np.linspace(0.0, 1e-5, len(POINTS))},
+        {"surface_error": np.zeros(len(TRIANGLES))},
+        {"surface_error": np.linspace(-0.03, 0.02, len(TRIANGLES))},
+        {"surface_error": np.linspace(0.0, 1e-5, len(TRIANGLES))},
         {"control_edges": np.empty((0, 2, 3))},
         {"control": (POINTS[:8], [(0, 1, 2, 3), (4, 5, 6, 7)])},
     ],
@@ -94,10 +99,18 @@ def test_a_fit_of_any_kind_is_drawn(changes, tmp_path):
     assert (tmp_path / "fit.png").stat().st_size > 10_000
 
 
+def test_the_caption_tells_what_was_measured_of_either_side(tmp_path, monkeypatch):
+    written = []
+    monkeypatch.setattr("subdfit.draw.fit_picture.text_at", lambda figure, x, y, text, **style: written.append(text))
+    draw_fit(tmp_path / "fit.png", largest=(0.000896, 0.00142))
+    assert "data to surface 0.0896 %, surface to data 0.142 %" in written[-1]
+
+
 @pytest.mark.parametrize("draw", [
     lambda path: draw_fit(path, surface_error=np.zeros(3)),
     lambda path: draw_fit(path, target=(POINTS, np.empty((0, 3), int))),
     lambda path: history_picture(path, []),
+    lambda path: histories_picture(path, [("one", HISTORY), ("none", [])]),
     lambda path: gallery(path, []),
 ])  # fmt: skip
 def test_bad_input_leaves_the_old_file_as_it_was(draw, tmp_path):
@@ -123,6 +136,15 @@ def test_a_folder_that_is_not_there_is_said(tmp_path):
 def test_short_and_perfect_histories_are_drawn(history, tmp_path):
     history_picture(tmp_path / "history.png", history)
     assert (tmp_path / "history.png").stat().st_size > 5_000
+
+
+def test_histories_beside_each_other_have_one_scale(tmp_path, monkeypatch):
+    figures = []
+    monkeypatch.setattr("subdfit.draw.history_picture.write_png", lambda path, figure: figures.append(figure))
+    histories_picture(tmp_path / "both.png", [("one", HISTORY), ("coarse", HISTORY[:2])])
+    axes = figures[0].axes
+    assert [axes[k].get_ylim() for k in range(3)] == [axes[k].get_ylim() for k in range(3, 6)]
+    assert axes[0].get_ylim()[0] < 100 * HISTORY[-1]["mean"] < 100 * HISTORY[0]["max"] < axes[0].get_ylim()[1]
 
 
 def test_colours_change_from_cold_to_warm_at_the_tolerance():

@@ -5,7 +5,7 @@ import pytest
 
 from shapes.parameters import CASES, SOME, size, surface_of
 from subdfit.errors import InputError
-from subdfit.limit.tessellate import cut, grid_nodes, lattice, manifold_triangles
+from subdfit.limit.tessellate import cut, grid_nodes, lattice, manifold_triangles, triangles_at
 from subdfit.mesh.topology import Topology
 from subdfit.schemes.domain import QUAD, TRIANGLE
 
@@ -54,6 +54,20 @@ def test_triangles_keep_the_orientation_of_their_cell_and_fill_it(shape, area):
     turned = (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2
     assert (turned > 0).all()
     assert turned.sum() == pytest.approx(area)
+
+
+@pytest.mark.parametrize("segments", [1, 4])
+@pytest.mark.parametrize(("scheme", "name"), SOME)
+def test_places_are_found_in_the_triangles_that_hold_them(scheme, name, segments):
+    """Middles of triangles in their own, all nodes in one of which they are a corner."""
+    domain = surface_of(scheme, name).domain
+    begin = lattice(domain, segments).begin
+    for cell, shape in enumerate(domain.shape):
+        nodes, cuts = grid_nodes(shape, segments), cut(shape, segments)
+        places = np.concatenate([nodes[cuts].mean(axis=1), nodes]) / segments
+        found = triangles_at(domain, segments, np.full(len(places), cell), places) - begin[cell]
+        np.testing.assert_array_equal(found[: len(cuts)], np.arange(len(cuts)))
+        assert (cuts[found[len(cuts) :]] == np.arange(len(nodes))[:, None]).any(axis=1).all()
 
 
 def test_one_segment_is_the_control_mesh():

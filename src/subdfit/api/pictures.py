@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 from subdfit.api.interpolation_result import InterpolationResult
 from subdfit.api.reconstructing import Reconstruction
 from subdfit.api.result import FitResult
-from subdfit.api.surface import LimitSurface
+from subdfit.api.surface import LimitSurface, Tessellation
 from subdfit.api.triangulate import triangles_of
 from subdfit.errors import InputError
+from subdfit.limit.tessellate import triangles_at
+from subdfit.measure import reverse_peaks
 from subdfit.target.frame import Frame
 from subdfit.target.target import Target
 
@@ -21,6 +23,9 @@ Triangles = NDArray[np.integer]
 _TRIANGLES = 200_000
 """About so many triangles are drawn: a panel has not many more pixels."""
 
+_FAR = 0.5
+"""Places at this share of the largest distance are coloured however small they are."""
+
 
 Pictured = FitResult | InterpolationResult | Reconstruction
 
@@ -28,6 +33,7 @@ Pictured = FitResult | InterpolationResult | Reconstruction
 def picture(path: str | os.PathLike[str], result: Pictured, title: str = "") -> None:
     """Write a PNG of the target, the control mesh on the limit surface, and the distance between the two.
 
+    The distance's colours and numbers are those of the certificate, of both sides.
     Of a cloud, and of a mesh that was interpolated, it shows the points, the polyhedron through them and, where there
     is one, the surface; fitted, with its control mesh.
 
@@ -85,21 +91,43 @@ def _stages(
 def _mesh_fit(path: str | os.PathLike[str], result: FitResult, target: Target, title: str) -> None:
     from subdfit.draw.fit_picture import fit_picture
 
-    frame = Frame.of(target.points[target.used])
+    measured = result.measurement
     level = _level(result.surface.domain.face_count)
     drawn = result.surface.tessellate(level)
-    errors = target.normalised(frame).tree.closest(frame.inside(drawn.points)).distance
     fit_picture(
         os.fspath(path),
         target=(target.points, target.triangles),
         surface=(drawn.points, drawn.triangles),
-        surface_error=errors,
+        surface_error=_largest_distances(result, target, level, drawn),
+        largest=(measured.max, measured.reverse_max),
         control_edges=control_edges(result.surface, 2**level),
         control=(result.control_mesh.points, range(result.control_mesh.topology.face_count)),
         title=title,
         tolerance=result.settings.tolerance.max,
         unit=result.unit,
     )
+
+
+def _largest_distances(result: FitResult, target: Target, level: int, drawn: Tessellation) -> Floats:
+    """The largest distance at or beside each drawn triangle, (t,), as a share of the diagonal.
+
+    It is found at the drawn points. Footpoints of data and peaks of the surface that are beyond the tolerance, or among
+    the farthest, count for all triangles round theirs: they may be narrower than a pixel.
+    """
+    frame, measured = Frame.of(target.points[target.used]), result.measurement
+    inside = target.normalised(frame)
+    surface = result.surface.with_points(frame.inside(result.control_mesh.points))
+    largest = inside.tree.closest(frame.inside(drawn.points)).distance
+    peaks, data = reverse_peaks(surface, inside), measured.footpoints
+    judged = np.delete(np.arange(len(data.distance)), measured.excluded)
+    face = np.concatenate([peaks.face, data.face[judged]])
+    uv = np.concatenate([peaks.uv, data.uv[judged]])
+    distance = np.concatenate([peaks.gap, data.distance[judged]])
+    bound = min(_FAR * float(distance.max()), result.settings.tolerance.max or np.inf)
+    far = np.flatnonzero(distance >= bound)
+    rows = triangles_at(surface.domain, 2**level, face[far], uv[far])
+    np.maximum.at(largest, drawn.triangles[rows], distance[far, None])
+    return np.asarray(largest[drawn.triangles].max(axis=1))
 
 
 def history_picture(path: str | os.PathLike[str], result: FitResult, title: str = "") -> None:

@@ -54,6 +54,7 @@ def add_parser(commands: Any) -> None:
     group.add_argument("--tessellate", metavar="LEVEL", type=int, help="tessellate the limit surface in every output")
     group.add_argument("--json", metavar="FILE", help="errors, seconds, settings and history")
     group.add_argument("--picture", metavar="FILE.png", help="target, control mesh, error colours")
+    group.add_argument("--plot", metavar="FILE.png", help="errors, control vertices and seconds by iteration")
     group.add_argument(
         "--run",
         metavar="DIR",
@@ -113,7 +114,7 @@ def run(args: argparse.Namespace, console: Console) -> int:
     from subdfit import api
 
     check_level(args.tessellate)
-    check_outputs(args.output, [args.target], documents=[args.json], pictures=[args.picture])
+    check_outputs(args.output, [args.target], documents=[args.json], pictures=[args.picture, args.plot])
     check_run(args.saved_run)
     try:
         with compiling_ahead(args.scheme, args.threads, args.memory):
@@ -144,6 +145,8 @@ def write_all(args: argparse.Namespace, result: "FitResult", console: Console) -
         write_surface(path, result.control_mesh, result.surface, args.tessellate)
     if args.picture:
         api.picture(args.picture, result, title=picture_title(result))
+    if args.plot:
+        api.history_picture(args.plot, result, title="Convergence")
     add_writing(result, clock)
     if args.saved_run:
         write_run(args.saved_run, result)

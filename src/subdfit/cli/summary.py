@@ -46,7 +46,7 @@ def picture_title(result: "FitResult") -> str:
     verdict = verdict_on(result)
     return (
         f"{counted(result.control_mesh.topology.vertex_count, 'control vertex')}, {verdict}: "
-        f"largest error {error_text(m.max, m.diagonal, result.unit)}"
+        f"E_max {error_text(m.max, m.diagonal, result.unit)}, reverse {100 * m.reverse_max:.4g} %"
     )
 
 

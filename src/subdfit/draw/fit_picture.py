@@ -29,6 +29,7 @@ def fit_picture(
     target: Mesh,
     surface: Mesh,
     surface_error: ArrayLike,
+    largest: tuple[float, float],
     control_edges: ArrayLike,
     control: Mesh,
     title: str = "",
@@ -44,8 +45,9 @@ def fit_picture(
         The PNG; written whole or not at all.
     target : (n, 3) points and (m, 3) triangles of the mesh that was fitted.
     surface : points and triangles of the tessellated limit surface, in the same unit.
-    surface_error : (points of `surface`,) distances to the target as fractions of its diagonal; signed if any
-        is negative.
+    surface_error : (triangles of `surface`,) distances between it and the target as fractions of the target's diagonal;
+        signed if any is negative.
+    largest : of the data to the surface and of the surface to the data, as measured, in the same fractions.
     control_edges : (k, 2, 3) segments on the limit surface that draw the control mesh's edges.
     control : points and faces of the control mesh, for its counts in the caption.
     title : one line over the picture.
@@ -56,15 +58,15 @@ def fit_picture(
     Raises
     ------
     InputError
-        A mesh has no triangle, or there is not one error a point of `surface`.
+        A mesh has no triangle, or there is not one error a triangle of `surface`.
     MachineError
         The file cannot be written.
     """
     errors = np.asarray(surface_error, np.float64)
-    if errors.shape != (len(np.asarray(surface[0])),):
+    if errors.shape != (len(np.asarray(surface[1])),):
         raise InputError(
             f"surface_error has the shape {errors.shape}: give one number for each of the "
-            f"{len(np.asarray(surface[0]))} points of the surface"
+            f"{len(np.asarray(surface[1]))} triangles of the surface"
         )
     view = camera or camera_for(*target)
     scale = error_scale(errors, tolerance)
@@ -75,12 +77,13 @@ def fit_picture(
     edges = np.asarray(control_edges, np.float64)
     width = float(np.clip(0.5 * (60_000 / max(len(edges), 1)) ** 0.3, 0.22, 0.7))
     render(axes[1], *surface, camera=view, colors=SURFACE, lines=edges, line_width=width)
-    render(axes[2], *surface, camera=view, colors=errors, cmap=scale.cmap, norm=scale.norm)
+    render(axes[2], *surface, camera=view, colors=scale.cmap(scale.norm(errors))[:, :3])
     captions = (
         f"target\n{counted(len(np.unique(faces)), 'point')}, {counted(len(faces), 'triangle')}",
         "control mesh on the limit surface\n"
         f"{counted(len(np.asarray(control[0])), 'control vertex')}, {counted(len(control[1]), 'face')}",  # type: ignore[arg-type]
-        f"distance from the limit surface to the target\nlargest {percent(scale.largest)} of the diagonal",
+        "distance between the limit surface and the target\n"
+        f"largest: data to surface {percent(largest[0])}, surface to data {percent(largest[1])}",
     )
     for k, caption in enumerate(captions):
         text_at(figure, _GAP + k * (_PANEL + _GAP) + _PANEL / 2, _CAPTION - 0.12, caption)

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
 from subdfit.draw.error_scale import percent
@@ -13,10 +14,13 @@ from subdfit.errors import InputError
 
 _CURVES = (("max", "$E_{max}$", "#c2412d"), ("rms", "$E_{rms}$", "#8a8f98"), ("mean", "$E_{mean}$", "#2b6ca3"))
 
+_COLUMN = 7.4
+"""Inches: width of a history."""
 
-def history_picture(
-    path: str | Path, history: Sequence[Mapping[str, float]], *, title: str = "", tolerance: float | None = None
-) -> None:
+History = Sequence[Mapping[str, float]]
+
+
+def history_picture(path: str | Path, history: History, *, title: str = "", tolerance: float | None = None) -> None:
     """Write a PNG of the convergence, after Nishiyama et al. 2008, Figure 5.
 
     Parameters
@@ -36,16 +40,40 @@ def history_picture(
     MachineError
         The file cannot be written.
     """
-    if len(history) == 0:
+    histories_picture(path, [(title, history)], tolerance=tolerance)
+
+
+def histories_picture(
+    path: str | Path, histories: Sequence[tuple[str, History]], *, tolerance: float | None = None
+) -> None:
+    """Write a PNG of several histories, each with its title, beside each other at one scale; see `history_picture`."""
+    if any(len(history) == 0 for _, history in histories):
         raise InputError("an empty history cannot be drawn: give at least one iteration")
+    titled = any(title for title, _ in histories)
+    figure = new_figure(_COLUMN * len(histories), 6.0 if titled else 5.6)
+    drawn = []
+    for k, (title, history) in enumerate(histories):
+        left = _COLUMN * k
+        drawn.append(_draw_column(figure, left, history, tolerance))
+        text_at(figure, left + 3.8, 5.82, title, size=12, bold=True)
+    for row in zip(*drawn, strict=True):
+        low, high = np.transpose([axes.get_ylim() for axes in row])
+        for axes in row:
+            axes.set_ylim(low.min(), high.max())
+    for (_, history), (errors, *_) in zip(histories, drawn, strict=True):
+        _name_curves(errors, history[-1])
+    write_png(path, figure)
+
+
+def _draw_column(figure: Figure, left: float, history: History, tolerance: float | None) -> tuple[Axes, Axes, Axes]:
+    """Draw one history: errors, control vertices, seconds."""
     columns = {
         name: np.array([float(step[name]) for step in history])
         for name in ("iteration", "control_vertices", "max", "rms", "mean", "seconds")
     }
-    figure = new_figure(7.4, 6.0 if title else 5.6)
-    errors = axes_at(figure, 0.95, 2.75, 5.7, 2.65)
-    vertices = axes_at(figure, 0.95, 1.65, 5.7, 0.9)
-    seconds = axes_at(figure, 0.95, 0.55, 5.7, 0.9)
+    errors = axes_at(figure, left + 0.95, 2.75, 5.7, 2.65)
+    vertices = axes_at(figure, left + 0.95, 1.65, 5.7, 0.9)
+    seconds = axes_at(figure, left + 0.95, 0.55, 5.7, 0.9)
     _draw_errors(errors, columns, tolerance)
     vertices.step(columns["iteration"], columns["control_vertices"], where="mid", color=INK, linewidth=1.4)
     vertices.set_ylabel("control\nvertices", size=9)
@@ -54,9 +82,7 @@ def history_picture(
     seconds.set_xlabel("iteration", size=9.5)
     for axes in (errors, vertices, seconds):
         _tidy(axes, columns["iteration"], last=axes is seconds)
-    if title:
-        text_at(figure, 3.8, 5.82, title, size=12, bold=True)
-    write_png(path, figure)
+    return errors, vertices, seconds
 
 
 def _draw_errors(axes: Axes, columns: Mapping[str, np.ndarray], tolerance: float | None) -> None:
@@ -70,17 +96,16 @@ def _draw_errors(axes: Axes, columns: Mapping[str, np.ndarray], tolerance: float
         label = f"tolerance {percent(tolerance)}"
         axes.axhline(100.0 * tolerance, color=INK, linewidth=0.9, linestyle=(0, (4, 3)), label=label)
         axes.legend(loc="upper right", frameon=False, fontsize=8.5, labelcolor=INK)
-    _name_curves(axes, columns)
     axes.set_ylabel("error, % of the diagonal", size=9)
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.3g}"))
     axes.yaxis.set_minor_formatter(NullFormatter())
 
 
-def _name_curves(axes: Axes, columns: Mapping[str, np.ndarray]) -> None:
-    """Write the curves' names outside the right border, at their last values, moved apart where they would touch."""
+def _name_curves(axes: Axes, ends: Mapping[str, float]) -> None:
+    """Write the curves' names outside the right border, where they end, moved apart where they would touch."""
     low, high = np.log(axes.get_ylim())
-    last = [100.0 * float(columns[name][-1]) for name, _, _ in _CURVES]
+    last = [100.0 * float(ends[name]) for name, _, _ in _CURVES]
     places = [(np.log(value) - low) / (high - low) if value > 0.0 else 0.0 for value in last]
     below = 2.0
     for place, (_, label, color) in sorted(zip(places, _CURVES, strict=True), key=lambda pair: -pair[0]):

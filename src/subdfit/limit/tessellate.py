@@ -75,7 +75,7 @@ def _nodes(domain: Domain, segments: int, wanted: NDArray[np.bool_]) -> _Nodes:
     """The nodes of the flagged cells' lattices, triangles' before quads'."""
     if segments < 1:
         raise InputError(f"a tessellation needs 1 or more segments a side, not {segments}")
-    begin = np.concatenate([[0], np.cumsum(np.where(domain.shape == QUAD, 2, 1) * segments**2 * wanted)])
+    begin = _begin(domain, segments, wanted)
     triangles = np.empty((begin[-1], 3), np.int64)
     face, uv = np.empty(0, np.int64), np.empty((0, 2))
     numbers = np.empty(0, np.int64)
@@ -91,6 +91,11 @@ def _nodes(domain: Domain, segments: int, wanted: NDArray[np.bool_]) -> _Nodes:
         face = np.concatenate([face, np.repeat(cells, len(nodes))])
         uv = np.concatenate([uv, np.tile(nodes / segments, (len(cells), 1))])
     return _Nodes(face, uv, numbers, triangles, begin)
+
+
+def _begin(domain: Domain, segments: int, wanted: NDArray[np.bool_]) -> Nodes:
+    """The first row of each flagged cell's triangles in a lattice, and the number of all, (f + 1,)."""
+    return np.concatenate([[0], np.cumsum(np.where(domain.shape == QUAD, 2, 1) * segments**2 * wanted)])
 
 
 def _welded(nodes: _Nodes, number: NDArray[np.integer]) -> Lattice:
@@ -142,6 +147,33 @@ def manifold_triangles(domain: Domain, segments: int, grid: Lattice) -> NDArray[
         (a, b, d), c = triangles[rows], triangles[other, 1]
         triangles[rows], triangles[other] = (a, b, c), (a, c, d)
     return triangles
+
+
+def triangles_at(
+    domain: Domain, segments: int, face: NDArray[np.integer], uv: NDArray[np.float64]
+) -> NDArray[np.int64]:
+    """Rows of the triangles of a lattice of all cells in which places lie, (k,); on a common side, one of the two."""
+    begin = _begin(domain, segments, np.ones(domain.face_count, np.bool_))
+    found = np.empty(len(face), np.int64)
+    for shape in (TRIANGLE, QUAD):
+        some = np.flatnonzero(domain.shape[face] == shape)
+        at = uv[some] * segments
+        i = np.minimum(at[:, 0].astype(np.int64), segments - 1)
+        j = np.minimum(at[:, 1].astype(np.int64), segments - 1 - (i if shape == TRIANGLE else 0))
+        lower, upper = _halves(shape, segments)
+        beyond = (at.sum(axis=1) > i + j + 1) & (upper[i, j] >= 0)
+        found[some] = begin[face[some]] + np.where(beyond, upper[i, j], lower[i, j])
+    return found
+
+
+def _halves(shape: int, segments: int) -> Nodes:
+    """Rows of `cut` of the lower and the upper half of each square (i, j), (2, segments, segments); -1 for none."""
+    corners = grid_nodes(shape, segments)[cut(shape, segments)]
+    i, j = corners.min(axis=1).T
+    upper = (corners.sum(axis=(1, 2)) > 3 * (i + j) + 2).astype(np.int64)
+    rows = np.full((2, segments, segments), -1)
+    rows[upper, i, j] = np.arange(len(corners))
+    return rows
 
 
 def _shares_two_sides(domain: Domain) -> NDArray[np.bool_]:

@@ -1,6 +1,6 @@
 """Two-sided errors and the certificate."""
 
-from subdfit.measure.certificate import CurveErrors, Measurement, Tolerance, measure
+from subdfit.measure.certificate import CurveErrors, Measurement, Tolerance, measure, reverse_peaks
 from subdfit.measure.outliers import Outliers, far_points, outliers
 from subdfit.measure.peaks import PEAK, peaks
 from subdfit.measure.samples import reverse_segments, surface_samples
@@ -15,6 +15,7 @@ __all__ = [
     "measure",
     "outliers",
     "peaks",
+    "reverse_peaks",
     "reverse_segments",
     "surface_samples",
 ]

@@ -4,7 +4,6 @@ Every number is found afresh: footpoints of all data points by a global search t
 the reverse side from samples of the surface, curves apart.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -16,8 +15,9 @@ from subdfit.closest.projection import Projection, Projector
 from subdfit.limit.surface import LimitSurface
 from subdfit.measure.facing import MOST_AWAY, share_facing_away
 from subdfit.measure.outliers import NO_OUTLIERS, Outliers, outliers
-from subdfit.measure.peaks import peaks
+from subdfit.measure.peaks import Peaks, peaks
 from subdfit.measure.samples import SurfaceSamples, surface_samples
+from subdfit.target.bvh import Closest
 from subdfit.target.sampling import face_samples
 from subdfit.target.target import Target
 
@@ -185,24 +185,30 @@ def _reverse(surface: LimitSurface, target: Target) -> _Reverse:
     allowance = target.allowance(samples.position, found)
     near = found.triangle
 
-    def distance_at(places: Floats, rows: Rows) -> Floats:
-        return target.tree.closest(places, start=near[rows]).distance
-
     def gap_at(places: Floats, rows: Rows) -> Floats:
         return target.gaps(places, near[rows])
 
-    farthest = _highest(surface, samples, found.distance, distance_at)
-    excess = _highest(surface, samples, found.distance - allowance, gap_at)
+    farthest = float(_farthest(surface, samples, target, found).gap.max(initial=found.distance.max()))
+    over = found.distance - allowance
+    most = float(over.max())
+    excess = float(peaks(surface, samples, over, gap_at, most).gap.max(initial=most))
     away = share_facing_away(samples.position, samples.triangles, target, found.triangle)
     return _Reverse(found.distance, allowance, max(farthest, excess), excess, away)
 
 
-def _highest(
-    surface: LimitSurface, samples: SurfaceSamples, value: Floats, at: Callable[[Floats, Rows], Floats]
-) -> float:
-    """The largest value of samples, (n,), and of the peaks between them."""
-    most = float(value.max())
-    return float(peaks(surface, samples, value, at, most).gap.max(initial=most))
+def reverse_peaks(surface: LimitSurface, target: Target) -> Peaks:
+    """Where a surface lies farther from a target's triangles than round about, both in the normalised frame."""
+    samples = surface_samples(surface)
+    return _farthest(surface, samples, target, target.tree.closest(samples.position))
+
+
+def _farthest(surface: LimitSurface, samples: SurfaceSamples, target: Target, found: Closest) -> Peaks:
+    """The peaks of the distance from the target's triangles, of which `found` are those nearest to the samples."""
+
+    def distance_at(places: Floats, rows: Rows) -> Floats:
+        return target.tree.closest(places, start=found.triangle[rows]).distance
+
+    return peaks(surface, samples, found.distance, distance_at, float(found.distance.max()))
 
 
 def _samples_excess(projector: Projector, target: Target, spacing: float, excluded: NDArray[np.int64]) -> float:
