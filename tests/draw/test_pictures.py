@@ -102,8 +102,8 @@ def test_a_fit_of_any_kind_is_drawn(changes, tmp_path):
 def test_the_caption_tells_what_was_measured_of_either_side(tmp_path, monkeypatch):
     written = []
     monkeypatch.setattr("subdfit.draw.fit_picture.text_at", lambda figure, x, y, text, **style: written.append(text))
-    draw_fit(tmp_path / "fit.png", largest=(0.000896, 0.00142))
-    assert "data to surface 0.0896 %, surface to data 0.142 %" in written[-1]
+    draw_fit(tmp_path / "fit.png", largest=(0.0008958, 0.00142))
+    assert "0.08958 % from data to surface, 0.142 % from surface to data" in written[-1]
 
 
 @pytest.mark.parametrize("draw", [

@@ -23,8 +23,8 @@ Triangles = NDArray[np.integer]
 _TRIANGLES = 200_000
 """About so many triangles are drawn: a panel has not many more pixels."""
 
-_FAR = 0.5
-"""Places at this share of the largest distance are coloured however small they are."""
+_FAR = 0.9
+"""Places at this share of the largest distance, and all beyond the tolerance, are coloured however small they are."""
 
 
 Pictured = FitResult | InterpolationResult | Reconstruction
@@ -98,7 +98,7 @@ def _mesh_fit(path: str | os.PathLike[str], result: FitResult, target: Target, t
         os.fspath(path),
         target=(target.points, target.triangles),
         surface=(drawn.points, drawn.triangles),
-        surface_error=_largest_distances(result, target, level, drawn),
+        surface_error=_distances_shown(result, target, level, drawn),
         largest=(measured.max, measured.reverse_max),
         control_edges=control_edges(result.surface, 2**level),
         control=(result.control_mesh.points, range(result.control_mesh.topology.face_count)),
@@ -108,16 +108,16 @@ def _mesh_fit(path: str | os.PathLike[str], result: FitResult, target: Target, t
     )
 
 
-def _largest_distances(result: FitResult, target: Target, level: int, drawn: Tessellation) -> Floats:
-    """The largest distance at or beside each drawn triangle, (t,), as a share of the diagonal.
+def _distances_shown(result: FitResult, target: Target, level: int, drawn: Tessellation) -> Floats:
+    """The distance that colours each drawn triangle, (t,), as a share of the diagonal.
 
-    It is found at the drawn points. Footpoints of data and peaks of the surface that are beyond the tolerance, or among
-    the farthest, count for all triangles round theirs: they may be narrower than a pixel.
+    It is that of the drawn points. Where footpoints of data and peaks of the surface are beyond the tolerance, or among
+    the farthest, it is theirs, on all triangles round the one in which they lie: a peak may be narrower than a pixel.
     """
     frame, measured = Frame.of(target.points[target.used]), result.measurement
     inside = target.normalised(frame)
     surface = result.surface.with_points(frame.inside(result.control_mesh.points))
-    largest = inside.tree.closest(frame.inside(drawn.points)).distance
+    drawn_points = inside.tree.closest(frame.inside(drawn.points)).distance
     peaks, data = reverse_peaks(surface, inside), measured.footpoints
     judged = np.delete(np.arange(len(data.distance)), measured.excluded)
     face = np.concatenate([peaks.face, data.face[judged]])
@@ -126,8 +126,10 @@ def _largest_distances(result: FitResult, target: Target, level: int, drawn: Tes
     bound = min(_FAR * float(distance.max()), result.settings.tolerance.max or np.inf)
     far = np.flatnonzero(distance >= bound)
     rows = triangles_at(surface.domain, 2**level, face[far], uv[far])
-    np.maximum.at(largest, drawn.triangles[rows], distance[far, None])
-    return np.asarray(largest[drawn.triangles].max(axis=1))
+    round_about = np.zeros(len(drawn.points))
+    np.maximum.at(round_about, drawn.triangles[rows], distance[far, None])
+    shown = np.maximum(drawn_points[drawn.triangles].mean(axis=1), round_about[drawn.triangles].max(axis=1))
+    return np.asarray(shown)
 
 
 def history_picture(path: str | os.PathLike[str], result: FitResult, title: str = "") -> None:

@@ -91,6 +91,6 @@ def error_bar(figure: Figure, cax: Axes, scale: ErrorScale, diagonal: float, uni
         cax.set_title(f"▬ {label}", size=8.5, color=INK, pad=9)
 
 
-def percent(fraction: float) -> str:
+def percent(fraction: float, digits: int = 3) -> str:
     """Return a fraction as text in per cent."""
-    return f"{100.0 * fraction:.3g} %"
+    return f"{100.0 * fraction:.{digits}g} %"

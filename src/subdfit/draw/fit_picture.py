@@ -82,8 +82,8 @@ def fit_picture(
         f"target\n{counted(len(np.unique(faces)), 'point')}, {counted(len(faces), 'triangle')}",
         "control mesh on the limit surface\n"
         f"{counted(len(np.asarray(control[0])), 'control vertex')}, {counted(len(control[1]), 'face')}",  # type: ignore[arg-type]
-        "distance between the limit surface and the target\n"
-        f"largest: data to surface {percent(largest[0])}, surface to data {percent(largest[1])}",
+        "distance between the limit surface and the target, at most\n"
+        f"{percent(largest[0], 4)} from data to surface, {percent(largest[1], 4)} from surface to data",
     )
     for k, caption in enumerate(captions):
         text_at(figure, _GAP + k * (_PANEL + _GAP) + _PANEL / 2, _CAPTION - 0.12, caption)
