@@ -39,6 +39,25 @@ def test_a_comb_is_covered_once(turned):
     assert found.sum() == pytest.approx(7 * 1 + 3 * 4)
 
 
+def test_a_cap_of_thousands_of_corners_is_covered_once():
+    """A gear of 2,500 corners: looking at every corner for each ear of every step would take minutes."""
+    angle = 2 * np.pi * np.arange(2500) / 2500
+    radius = 1 + 0.2 * np.cos(31 * angle)
+    points = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), 0 * angle])
+    found = areas(points, cut(points, [list(range(2500))]))
+    assert len(found) == 2498
+    assert (found > 0).all()
+    following = np.roll(points, -1, axis=0)
+    assert found.sum() == pytest.approx(np.cross(points, following)[:, 2].sum() / 2, rel=1e-12)
+
+
+def test_corners_on_a_straight_side_give_no_triangle_without_area():
+    """Thirds are rounded, but alike on the diagonal, where any three corners are on one line in floats too."""
+    outline = [(k / 3, k / 3) for k in range(10)] + [(0, 6), (-3, 3)]
+    points = [(x, y, 0) for x, y in outline]
+    assert (areas(points, cut(points, [list(range(len(points)))])) > 1e-6).all()
+
+
 def test_a_closed_polyhedron_stays_a_closed_manifold(sphere):
     angles = 2 * np.pi * np.arange(9) / 9
     ring = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
