@@ -1,6 +1,7 @@
 """Paths that do not work, and files that appear whole or not at all."""
 
 import os
+from pathlib import Path
 
 import pytest
 
@@ -74,6 +75,12 @@ def test_places_that_cannot_be_written(tmp_path, tetrahedron, call):
             attempt(path)
         assert "\n" not in str(caught.value)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder.obj"]
+
+
+@pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="needs a file system that takes no files")
+def test_a_folder_that_takes_no_files_is_not_said_to_be_missing():
+    with pytest.raises(MachineError, match="no file can be made in /proc; choose another folder"):
+        check_writable("/proc/a.obj")
 
 
 def test_a_fine_place_stays_empty(tmp_path):

@@ -61,8 +61,8 @@ def test_noise(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("x y z\n0 0 0\n", "line 1, 'x y z', is not all numbers"),
-        ("# made by hand\n\n0 0 0\n0 0 1\nup and away\n", "line 5, 'up and away', is not all numbers"),
+        ("x y z\n0 0 0\n", "line 1, 'x y z': 'x' is not a number"),
+        ("# made by hand\n\n0 0 0\n0 0 1\nup and away\n", "line 5, 'up and away': 'up' is not a number"),
         ("0 0 0\n1 0 0 0 0 1\n", "line 2, .* has not 3 numbers"),
         ("0\n", "line 1, '0', has 1 word, not 3 numbers"),
         ("0,5 1,0 2,5\n", "line 1, '0,5 1,0 2,5', has commas or semicolons, but not one between any two numbers"),
@@ -76,6 +76,40 @@ def test_lines_of_points_are_named(text, message, tmp_path):
     path.write_text(text)
     with pytest.raises(InputError, match=message):
         read(path)
+
+
+TRIANGLE = b"0 0 0\n1 0 %s\n0 1 0\n3 0 1 %s\n"
+PLY = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+PLY += b"element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "says"),
+    [
+        ("a.off", b"OFF\n3 1 0\n\n# x\n" + TRIANGLE % (b"1,5", b"2"), "line 6: '1,5' is not a number"),
+        ("a.off", b"OFF 3 1 0\n\n" + TRIANGLE % (b"0", b"2.5"), "line 6: '2.5' is not an index"),
+        ("a.ply", PLY + TRIANGLE % (b"1,5", b"2"), "row 1 of 'vertex', z: '1,5' is not a number"),
+        ("a.ply", PLY + TRIANGLE % (b"0", b"2.5"), "row 0 of 'face', vertex_indices: '2.5' is not an index"),
+    ],
+)
+def test_the_place_of_what_is_no_number_is_named(name, content, says, tmp_path):
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(InputError, match=says):
+        read(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+        ("a.off", b"OFF\n3 1 0\n" + TRIANGLE % (b"0", b"2")),
+        ("a.ply", PLY + TRIANGLE % (b"0", b"2")),
+        ("a.xyz", b"0 0 0\n1 0 0\n0 1 0\n"),
+    ],
+)
+def test_a_byte_order_mark_is_no_content(name, content, tmp_path):
+    (tmp_path / name).write_bytes(b"\xef\xbb\xbf" + content)
+    np.testing.assert_array_equal(read(tmp_path / name).points, [[0, 0, 0], [1, 0, 0], [0, 1, 0]])
 
 
 def test_colours_are_no_normals(tmp_path, caplog):

@@ -58,5 +58,8 @@ def _places(path: str | Path) -> tuple[Path, Path]:
 def cannot_write(path: str | Path, error: OSError) -> str:
     """One line that says which file could not be written, and why."""
     if isinstance(error, FileNotFoundError | NotADirectoryError):
-        return f"cannot write {path}: there is no folder {Path(path).parent}; make it first"
+        folder = Path(path).parent
+        if folder.is_dir():
+            return f"cannot write {path}: no file can be made in {folder}; choose another folder"
+        return f"cannot write {path}: there is no folder {folder}; make it first"
     return f"cannot write {path}: {error.strerror or error}; choose a place with room and permission"

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from subdfit.errors import InputError
 from subdfit.io.tags import boundary_rule, finite_sharpness
-from subdfit.io.text import Rows, floats, integers, quote, table
+from subdfit.io.text import Place, Rows, floats, integers, quote, row_of, table
 from subdfit.mesh.data import MeshData
 
 _SCHEME = b"subdivision scheme:"
@@ -25,8 +25,13 @@ def parse(content: bytes, path: Path) -> MeshData:
     """Read polygons, or points where there is no face; raises InputError that quotes what it cannot read."""
     name = path.name
     lines, positions_before, normals_before, scheme = _statements(content)
-    points = table(Rows.of(lines[b"v"]), 3, f"{name}: v", skip=1)
-    normals = table(Rows.of(lines[b"vn"]), 3, f"{name}: vn", skip=1)
+
+    def place(keyword: bytes, row: int) -> str:
+        """Where one of a keyword's statements stands."""
+        return f"{name}: line {_line_number(content, keyword, row)}"
+
+    points = table(Rows.of(lines[b"v"]), 3, lambda row: place(b"v", row), skip=1)
+    normals = table(Rows.of(lines[b"vn"]), 3, lambda row: place(b"vn", row), skip=1)
     faces = Rows.of(lines[b"f"])
     sizes = faces.sizes - 1
     words = faces.part(1, sizes)
@@ -35,15 +40,19 @@ def parse(content: bytes, path: Path) -> MeshData:
         parts = [word.split(b"/") for word in words]
         words = [part[0] for part in parts]
         normal_words = [part[2] if len(part) == 3 else b"" for part in parts]
-    corners = _from_zero(words, np.repeat(positions_before, sizes), f"{name}: f")
+
+    def corner_place(corner: int) -> str:
+        return place(b"f", row_of(corner, sizes))
+
+    corners = _from_zero(words, np.repeat(positions_before, sizes), len(points), corner_place)
     corner_normals = None
     if len(normals) and words and all(normal_words):
-        corner_normals = _from_zero(normal_words, np.repeat(normals_before, sizes), f"{name}: f")
+        corner_normals = _from_zero(normal_words, np.repeat(normals_before, sizes), len(normals), corner_place)
     return MeshData(
         points=points,
         face_offsets=np.concatenate(([0], np.cumsum(sizes))),
         face_vertices=corners,
-        normals=_vertex_normals(normals, corners, corner_normals, len(points), name),
+        normals=_vertex_normals(normals, corners, corner_normals, len(points)),
         scheme=scheme,
         **_tags(lines[b"t"], name),
     )
@@ -70,16 +79,26 @@ def _statements(content: bytes) -> tuple[dict[bytes, list[bytes]], NDArray[np.in
     return lines, np.array(positions_before, np.int64), np.array(normals_before, np.int64), scheme
 
 
-def _from_zero(words: Words, before: NDArray[np.int64], where: str) -> NDArray[np.int64]:
-    """Row numbers from OBJ indices, which count from 1, or back from the latest when negative."""
+def _line_number(content: bytes, keyword: bytes, row: int) -> int:
+    """Number, from 1, of the line on which one of a keyword's statements begins."""
+    lines = content.splitlines(keepends=True)
+    goes_on = [False, *(line.endswith((b"\\\n", b"\\\r\n")) for line in lines)]
+    words = [line.rstrip(b"\\\r\n").split(None, 1)[:1] for line in lines]
+    return [number for number, word in enumerate(words, 1) if word == [keyword] and not goes_on[number - 1]][row]
+
+
+def _from_zero(words: Words, before: NDArray[np.int64], count: int, where: Place) -> NDArray[np.int64]:
+    """Row numbers, of so many, from OBJ indices, which count from 1, or back from the latest when negative."""
     indices = integers(words, where)
-    if not indices.all():
-        raise InputError(f"{where}: index 0 does not exist, OBJ counts from 1; export the file again")
     rows = np.where(indices > 0, indices - 1, before + indices)
-    if len(rows) and rows.min() < 0:
-        raise InputError(
-            f"{where}: index {indices[np.argmin(rows)]} points before the first row; export the file again"
-        )
+    bad = np.flatnonzero((indices == 0) | (rows < 0) | (rows >= count))
+    if len(bad):
+        index, place = indices[bad[0]], where(int(bad[0]))
+        if index == 0:
+            raise InputError(f"{place}: index 0 does not exist, OBJ counts from 1; export the file again")
+        if index < 0:
+            raise InputError(f"{place}: index {index} points before the first row; export the file again")
+        raise InputError(f"{place}: names row {index}, there are {count}; export the file again")
     return rows
 
 
@@ -88,17 +107,12 @@ def _vertex_normals(
     corners: NDArray[np.int64],
     corner_normals: NDArray[np.int64] | None,
     vertex_count: int,
-    name: str,
 ) -> NDArray[np.float64] | None:
     """One normal a vertex, where the file gives just one to each; else None."""
     if not len(corners):
         return normals if vertex_count and len(normals) == vertex_count else None
-    if corner_normals is None or corners.max() >= vertex_count:
+    if corner_normals is None:
         return None
-    if corner_normals.max() >= len(normals):
-        raise InputError(
-            f"{name}: f: normal {corner_normals.max() + 1} of {len(normals)} is named; export the file again"
-        )
     rows = np.full(vertex_count, -1, np.int64)
     rows[corners] = corner_normals
     if rows.min() < 0 or not np.array_equal(normals[rows[corners]], normals[corner_normals]):
@@ -137,11 +151,11 @@ def _tags(lines: list[bytes], name: str) -> dict[str, Any]:
 
 def _tag_values(words: Words, where: str) -> tuple[list[int], list[float]]:
     """Integers and floats of a tag, whose numbers its third word announces."""
-    counts = integers(words[1].split(b"/"), where).tolist() if len(words) > 1 else []
+    counts = integers(words[1].split(b"/"), lambda _: where).tolist() if len(words) > 1 else []
     if len(counts) != 3 or min(counts) < 0 or sum(counts) != len(words) - 2:
         raise InputError(f"{where}: has not as many values as it announces; mend the tag")
-    indices = integers(words[2 : 2 + counts[0]], where).tolist()
-    values = floats(words[2 + counts[0] : 2 + counts[0] + counts[1]], where).tolist()
+    indices = integers(words[2 : 2 + counts[0]], lambda _: where).tolist()
+    values = floats(words[2 + counts[0] : 2 + counts[0] + counts[1]], lambda _: where).tolist()
     needed = {b"crease": counts[0] - 1, b"corner": counts[0], b"interpolateboundary": 0}[words[0]]
     fewest = 2 if words[0] == b"crease" else 1
     if counts[0] < fewest or (needed and counts[1] not in (1, needed)):

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from subdfit.errors import InputError
-from subdfit.io.text import Rows, integers, quote, table
+from subdfit.io.text import Rows, integers, quote, row_of, table
 from subdfit.mesh.data import MeshData
 
 logger = logging.getLogger(__name__)
@@ -26,14 +26,15 @@ def parse(content: bytes, path: Path) -> MeshData:
     Raises InputError where the counts and the lines disagree.
     """
     name = path.name
-    lines = [line for line in _COMMENT.sub(b"", content).splitlines() if line.strip()]
+    plain = _COMMENT.sub(b"", content).splitlines()
+    lines = [line for line in plain if line.strip()]
     first = lines[0].split() if lines else [b""]
     keyword = _KEYWORD.fullmatch(first[0])
     if keyword is None or first[1:2] == [b"BINARY"]:
         raise InputError(f"{name}: line 1 is not the keyword OFF of a text file; export it as ASCII OFF")
     head = first[1:] or (lines[1].split() if len(lines) > 1 else [])
     body = lines[1:] if first[1:] else lines[2:]
-    counts = integers(head[:3], f"{name}: counts").tolist()
+    counts = integers(head[:3], lambda _: f"{name}: counts").tolist()
     if len(counts) < 2 or min(counts) < 0:
         raise InputError(f"{name}: counts of vertices and faces are missing after OFF; export the file again")
     vertex_count, face_count = counts[:2]
@@ -42,17 +43,25 @@ def parse(content: bytes, path: Path) -> MeshData:
             f"{name}: states {vertex_count} vertices and {face_count} faces but has {len(body)} lines of them; "
             "the file is cut or contradictory, export it again"
         )
-    values = table(Rows.of(body[:vertex_count]), 6 if keyword[3] else 3, f"{name}: vertices")
+
+    def place(row: int) -> str:
+        """Where a row of the body stands."""
+        numbers = [number for number, line in enumerate(plain, 1) if line.strip()]
+        return f"{name}: line {numbers[len(lines) - len(body) + row]}"
+
+    values = table(Rows.of(body[:vertex_count]), 6 if keyword[3] else 3, place)
     faces = Rows.of(body[vertex_count:])
-    sizes = integers(faces.part(0, np.ones(face_count, np.int64)), f"{name}: faces")
+    sizes = integers(faces.part(0, np.ones(face_count, np.int64)), lambda face: place(vertex_count + face))
     bad = np.flatnonzero((sizes < 0) | (sizes >= faces.sizes))
     if len(bad):
         shown = quote(faces.row(int(bad[0])))
-        raise InputError(f"{name}: face '{shown}' has not {sizes[bad[0]]} corners; mend the line")
+        raise InputError(
+            f"{place(vertex_count + int(bad[0]))}: face '{shown}' has not {sizes[bad[0]]} corners; mend the line"
+        )
     return MeshData(
         points=np.ascontiguousarray(values[:, :3]),
         face_offsets=np.concatenate(([0], np.cumsum(sizes))),
-        face_vertices=integers(faces.part(1, sizes), f"{name}: faces"),
+        face_vertices=integers(faces.part(1, sizes), lambda word: place(vertex_count + row_of(word, sizes))),
         normals=np.ascontiguousarray(values[:, 3:]) if keyword[3] else None,
     )
 

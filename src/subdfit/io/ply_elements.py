@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.errors import InputError
-from subdfit.io.text import floats, integers, quote
+from subdfit.io.text import floats, integers, quote, row_of
 from subdfit.wording import counted
 
 _TYPES = {
@@ -261,9 +261,7 @@ class _Text:
         table: Table = {}
         for p, (sizes, words) in zip(element.properties, columns, strict=True):
             if p.name in wanted:
-                where = f"{self.name}: {element.name} {p.name}"
-                values: NDArray[Any] = (floats if p.kind[0] == "f" else integers)(words, where)
-                table[p.name] = Lists(sizes, values) if p.count_kind else values
+                table[p.name] = self._values(element, p, sizes, words)
         return table
 
     def check_end(self) -> None:
@@ -273,6 +271,13 @@ class _Text:
             raise InputError(
                 f"{self.name}: {counted(extra, 'word')} after the last row the header states; export it again"
             )
+
+    def _values(self, element: Element, p: Property, sizes: NDArray[np.int64], words: list[bytes]) -> Column:
+        def place(word: int) -> str:
+            return f"{self.name}: row {row_of(word, sizes)} of '{element.name}', {p.name}"
+
+        values: NDArray[Any] = (floats if p.kind[0] == "f" else integers)(words, place)
+        return Lists(sizes, values) if p.count_kind else values
 
     def _alike(self, element: Element) -> list[tuple[NDArray[np.int64], list[bytes]]] | None:
         """Read all rows with the layout of the first one; None if that is not the layout of all."""

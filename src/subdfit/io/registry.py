@@ -1,5 +1,6 @@
 """Which file extension belongs to which reader and writer."""
 
+import codecs
 from collections.abc import Callable
 from pathlib import Path
 
@@ -118,4 +119,4 @@ def _bytes(path: Path) -> bytes:
         raise InputError(f"{path}: cannot be read ({error.strerror}); check the path") from None
     if not content:
         raise InputError(f"{path}: is empty; export the mesh again")
-    return content
+    return content.removeprefix(codecs.BOM_UTF8)

@@ -1,6 +1,6 @@
 """Numbers from text, strictly: what is no number is an error that names the word."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import chain
 from typing import NamedTuple
 
@@ -9,23 +9,26 @@ from numpy.typing import NDArray
 
 from subdfit.errors import InputError
 
+Place = Callable[[int], str]
+"""Where a word, or a row, of some number stands: asked for only once something is wrong with it."""
 
-def floats(words: Sequence[bytes], where: str) -> NDArray[np.float64]:
+
+def floats(words: Sequence[bytes], where: Place) -> NDArray[np.float64]:
     """Convert words to float64; raises InputError that quotes the first one that is no number."""
     try:
         return np.array(list(map(float, words)), np.float64)
     except ValueError:
-        shown = quote(words[first_bad(words, float)])
-        raise InputError(f"{where}: '{shown}' is not a number; export the file again") from None
+        bad = _first_bad(words, float)
+        raise InputError(f"{where(bad)}: '{quote(words[bad])}' is not a number; export the file again") from None
 
 
-def integers(words: Sequence[bytes], where: str) -> NDArray[np.int64]:
+def integers(words: Sequence[bytes], where: Place) -> NDArray[np.int64]:
     """Convert words to int64; raises InputError that quotes the first one that is no integer."""
     try:
         return np.array(list(map(int, words)), np.int64)
     except (ValueError, OverflowError):
-        shown = quote(words[first_bad(words, int)])
-        raise InputError(f"{where}: '{shown}' is not an index; export the file again") from None
+        bad = _first_bad(words, int)
+        raise InputError(f"{where(bad)}: '{quote(words[bad])}' is not an index; export the file again") from None
 
 
 class Rows(NamedTuple):
@@ -65,17 +68,22 @@ class Rows(NamedTuple):
         return b" ".join(self.words[start : start + int(self.sizes[number])])
 
 
-def table(rows: Rows, columns: int, where: str, skip: int = 0) -> NDArray[np.float64]:
+def table(rows: Rows, columns: int, where: Place, skip: int = 0) -> NDArray[np.float64]:
     """Convert `columns` words of each row, after the first `skip`, to (n, columns) float64.
 
-    Raises InputError where a row is too short or a word is no number.
+    Raises InputError, with the place of the row, where one is too short or a word is no number.
     """
     short = np.flatnonzero(rows.sizes < skip + columns)
     if len(short):
         shown = quote(rows.row(int(short[0])))
-        raise InputError(f"{where}: '{shown}' has fewer than {columns} numbers; export the file again")
+        raise InputError(f"{where(int(short[0]))}: '{shown}' has fewer than {columns} numbers; export the file again")
     words = rows.part(skip, np.full(len(rows.sizes), columns, np.int64))
-    return floats(words, where).reshape(-1, columns)
+    return floats(words, lambda word: where(word // columns)).reshape(-1, columns)
+
+
+def row_of(word: int, sizes: NDArray[np.int64]) -> int:
+    """The row to which a word belongs, of rows of so many words."""
+    return int(np.searchsorted(np.cumsum(sizes), word, side="right"))
 
 
 def quote(text: bytes) -> str:
@@ -84,8 +92,8 @@ def quote(text: bytes) -> str:
     return shown if shown.isprintable() else repr(shown)[1:-1]
 
 
-def first_bad(words: Sequence[bytes], kind: type[int] | type[float]) -> int:
-    """Place of the first word that is no number of a kind, of 64 bits; -1 where all are."""
+def _first_bad(words: Sequence[bytes], kind: type[int] | type[float]) -> int:
+    """Number of the first word that is no number of a kind, of 64 bits; -1 where all are."""
     for place, word in enumerate(words):
         try:
             value = kind(word)

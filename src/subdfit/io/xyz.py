@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.errors import InputError
-from subdfit.io.text import Rows, first_bad, floats, quote
+from subdfit.io.text import Rows, floats, quote
 from subdfit.mesh.data import MeshData
 from subdfit.wording import counted
 
@@ -34,11 +34,7 @@ def parse(content: bytes, path: Path) -> MeshData:
         raise _refused(path, plain, number[0], f"has {counted(columns, 'word')}, not 3 numbers, or 6 with a normal")
     if len(other):
         raise _refused(path, plain, number[other[0]], f"has not {counted(columns, 'number')} as the lines before")
-    try:
-        values = floats(rows.words, path.name).reshape(-1, columns)
-    except InputError:
-        line = number[first_bad(rows.words, float) // columns]
-        raise _refused(path, plain, line, "is not all numbers") from None
+    values = floats(rows.words, lambda word: _place(path, plain, number[word // columns])).reshape(-1, columns)
     points, more = np.ascontiguousarray(values[:, :3]), np.ascontiguousarray(values[:, 3:])
     return MeshData(points, np.zeros(1, np.int64), np.empty(0, np.int64), normals=_normals(more, path))
 
@@ -55,7 +51,11 @@ def _between_blanks(plain: list[bytes], number: list[int], path: Path) -> list[b
 
 
 def _refused(path: Path, lines: list[bytes], number: int, what: str) -> InputError:
-    return InputError(f"{path.name}: line {number}, '{quote(lines[number - 1].strip())}', {what}; mend or remove it")
+    return InputError(f"{_place(path, lines, number)}, {what}; mend or remove it")
+
+
+def _place(path: Path, lines: list[bytes], number: int) -> str:
+    return f"{path.name}: line {number}, '{quote(lines[number - 1].strip())}'"
 
 
 def _normals(given: NDArray[np.float64], path: Path) -> NDArray[np.float64] | None:
