@@ -19,8 +19,8 @@ def verdict_on(found: "FitResult | Comparison") -> str:
     """How a result stands to what was asked."""
     if found.certified:
         return "certified"
-    if found.measurement.sheets_fell_together:
-        return "not certified, thin sheets have fallen together: ask for an error below their thickness"
+    if found.status == "within_tolerance" and found.measurement.sheets_fell_together:
+        return "not certified, part of the surface faces the wrong way"
     return VERDICTS[found.status or "best_effort"]
 
 
@@ -30,13 +30,15 @@ def error_text(share: float, diagonal: float, unit: str | None) -> str:
 
 
 def fit_line(result: "FitResult") -> str:
-    """One line on a fit."""
+    """One line on a fit, with what may help one that is not certified."""
+    from subdfit.api.remedies import remedy
+
     m, unit = result.measurement, result.unit
-    verdict = verdict_on(result)
+    verdict, helps = verdict_on(result), remedy(result)
     return (
         f"{counted(result.control_mesh.topology.vertex_count, 'control vertex')}, {verdict}: "
         f"E_max {error_text(m.max, m.diagonal, unit)}, E_rms {error_text(m.rms, m.diagonal, unit)}, "
-        f"reverse {100 * m.reverse_max:.4g} %, {result.seconds['total']:.1f} s"
+        f"reverse {100 * m.reverse_max:.4g} %, {result.seconds['total']:.1f} s" + (f"; {helps}" if helps else "")
     )
 
 
@@ -52,6 +54,8 @@ def picture_title(result: "FitResult") -> str:
 
 def measure_table(found: "Comparison") -> str:
     """Several lines on a measurement."""
+    from subdfit.api.remedies import TURNED
+
     m, unit = found.measurement, found.unit
     rows = [
         ("", "largest", "rms", "mean"),
@@ -65,7 +69,8 @@ def measure_table(found: "Comparison") -> str:
     counts = f"{counted(topology.vertex_count, 'control vertex')}, {counted(topology.face_count, 'face')}"
     tail = [f"diagonal {m.diagonal:.6g} {unit or 'units'}, largest error {m.max * m.diagonal:.4g} {unit or 'units'}"]
     if found.status is not None:
-        tail.append(verdict_on(found))
+        turned = found.measurement.sheets_fell_together
+        tail.append(verdict_on(found) + (f"; {TURNED}" if turned else ""))
     return "\n".join(
         [
             f"{counts}, {found.control_mesh.scheme}",
