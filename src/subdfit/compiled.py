@@ -123,6 +123,10 @@ class CompileClock(numba.core.event.Listener):
         self._started = 0.0
         self._told = False
 
+    def so_far(self) -> float:
+        """Seconds spent compiling, those of a kernel that is being compiled included."""
+        return self.seconds + (time.perf_counter() - self._started if self._depth else 0.0)
+
     def on_start(self, event: Any) -> None:
         """Numba begins to compile a kernel (or, nested, one that it calls)."""
         if self._depth == 0:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -14,6 +15,8 @@ import trimesh
 
 import subdfit
 from subdfit.cli import main
+from subdfit.cli.console import Console
+from subdfit.compiled import compile_clock
 
 
 @pytest.mark.skipif(os.name == "nt", reason="sends a POSIX signal")
@@ -67,6 +70,30 @@ def test_before_there_is_anything(sphere, tmp_path, monkeypatch, capsys):
 
 def test_again_while_the_best_is_measured(sphere, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(import_module("subdfit.fit.driver"), "measure", interrupt)
-    assert main(["fit", str(sphere), "-o", str(tmp_path / "a.obj"), "--max-error", "1%"]) == 130
-    assert "before they were measured" in capsys.readouterr().out
+    others = ["--json", str(tmp_path / "a.json"), "--picture", str(tmp_path / "a.png")]
+    assert main(["fit", str(sphere), "-o", str(tmp_path / "a.obj"), "--max-error", "1%", *others]) == 130
+    assert "before they were measured; --json not written; --picture not written\n" in capsys.readouterr().out
     assert subdfit.read(tmp_path / "a.obj").scheme == "loop"
+    assert [path.name for path in tmp_path.iterdir()] == ["a.obj"]
+
+
+def test_the_best_is_the_lightest_once_a_fit_thins(sphere):
+    told = []
+    with Console(quiet=True) as console:
+
+        def progress(step):
+            console.progress(step)
+            told.append(step)
+
+        subdfit.fit(sphere, max_error="1%", thin=True, progress=progress)
+    assert told[-1].stage == "thin"
+    assert console.best is told[-1].control_mesh
+    assert min(step.max for step in told) < told[-1].max
+
+
+def test_seconds_of_progress_leave_out_compiling(monkeypatch):
+    console = Console(quiet=True)
+    console.stage("reading")
+    console._begun -= 1000.0
+    monkeypatch.setattr(compile_clock, "seconds", compile_clock.seconds + 1000.0)
+    assert 0 <= float(re.fullmatch(r"reading, (.*) s", console._line())[1]) < 1000.0

@@ -43,7 +43,7 @@ class Console(logging.Handler):
 
     Attributes
     ----------
-    best : the control mesh of least maximum error that was reported, or None.
+    best : the control mesh of least maximum error that was reported, or the lightest, once a fit thins; or None.
     """
 
     def __init__(self, *, quiet: bool) -> None:
@@ -53,8 +53,8 @@ class Console(logging.Handler):
         self._best_error = float("inf")
         self._text = ""
         self._waiting: list[str] | None = []
-        self._begun = time.perf_counter()
-        self._spoken = self._begun
+        self._begun = self._working_clock()
+        self._spoken = time.perf_counter()
         self._live: Any = None
 
     def __enter__(self) -> Self:
@@ -112,14 +112,16 @@ class Console(logging.Handler):
         self._write(f"subdfit: error: {message}")
 
     def stage(self, name: str) -> None:
-        """Show what is being done."""
+        """Show what is being done; from the first stage on seconds are counted."""
+        if not self._text:
+            self._begun = self._working_clock()
         self._text = name
         self._plain()
 
     def progress(self, step: "Progress") -> None:
         """Show an iteration of a fit, and keep its control mesh if it is the best."""
         self._usable()
-        if step.max < self._best_error:
+        if step.stage == "thin" or step.max < self._best_error:
             self.best, self._best_error = step.control_mesh, step.max
         self._text = (
             f"{step.stage} {step.iteration}: {counted(step.control_vertices, 'control vertex')}, "
@@ -128,7 +130,14 @@ class Console(logging.Handler):
         self._plain()
 
     def _line(self) -> str:
-        return f"{self._text}, {time.perf_counter() - self._begun:.1f} s" if self._text else ""
+        return f"{self._text}, {self._working_clock() - self._begun:.1f} s" if self._text else ""
+
+    @staticmethod
+    def _working_clock() -> float:
+        """A clock that stands still while kernels compile, as that of results does."""
+        compiled = sys.modules.get("subdfit.compiled")  # never loaded for the clock alone: numba is slow to load
+        clock = getattr(compiled, "compile_clock", None)
+        return time.perf_counter() - (clock.so_far() if clock else 0.0)
 
     def _usable(self) -> None:
         """The input has proved usable: write the lines that have waited, and others from now on at once."""

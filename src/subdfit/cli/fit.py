@@ -170,5 +170,8 @@ def _write_unmeasured(args: argparse.Namespace, console: Console) -> int:
     for path in args.output:
         write_surface(path, console.best, api.LimitSurface(console.best), args.tessellate)
     console.rest()
-    say(f"{counted(console.best.topology.vertex_count, 'control vertex')}, interrupted before they were measured")
+    others = {"--json": args.json, "--picture": args.picture, "--run": args.saved_run}
+    left_out = "".join(f"; {option} not written" for option, path in others.items() if path)
+    vertices = counted(console.best.topology.vertex_count, "control vertex")
+    say(f"{vertices}, interrupted before they were measured{left_out}")
     return EXIT["interrupted"]
