@@ -4,6 +4,7 @@ import logging
 
 import numpy as np
 import pytest
+from tests.shapes.zoo import octahedron_data
 
 import subdfit
 from subdfit.api.memory import estimate
@@ -201,3 +202,16 @@ def test_points_that_cannot_be_used(sphere):
         subdfit.fit(np.linspace(0, 1, 90).reshape(30, 3))
     with pytest.raises(InputError, match="no points"):
         subdfit.fit(np.empty((0, 3)))
+    with pytest.raises(InputError, match="points: all points coincide"):
+        subdfit.fit(np.ones((5, 3)))
+    with pytest.raises(InputError, match=r"points: all points lie within 1e-300 of each other"):
+        subdfit.fit(1e-300 * np.eye(3))
+    with pytest.raises(InputError, match="mesh: its points are complex"):
+        subdfit.fit(subdfit.MeshData(sphere[0] + 0j, 3 * np.arange(len(sphere[1]) + 1), sphere[1].ravel()))
+    with pytest.raises(InputError, match="they are complex"):
+        subdfit.ControlMesh.from_triangles(sphere[0] + 0j, sphere[1])
+
+
+def test_no_more_control_vertices_than_data(caplog):
+    subdfit.fit(octahedron_data(), control_vertices=10, max_error="20%")
+    assert "mesh: control_vertices is 10, but there are only 6 data points to start from" in caplog.messages

@@ -39,6 +39,11 @@ def test_a_length_in_another_unit_is_doubted(caplog):
         share_of(Length(10.0, False), "rms_error", 10)
 
 
+def test_no_error_is_asked_that_anything_holds():
+    with pytest.raises(InputError, match="max_error is 200 % of the diagonal; give a smaller share"):
+        share_of(Length(2.0, True), "max_error", 10)
+
+
 @pytest.mark.parametrize("given", ["", "%", "5%%", "0", "-1", 0.0, "nan", "inf", "1mm", True])
 def test_what_is_no_tolerance(given):
     with pytest.raises(InputError, match="rms_error is"):

@@ -70,6 +70,7 @@ def test_a_grid_of_cells_gives_its_surface(sphere):
         ((np.zeros((3, 3)), [[0.5, 1, 2]]), "no integers"),
         ((np.zeros((3, 3)), np.zeros(3, int)), "shape \\(3,\\)"),
         ([["a", "b", "c"]], "no array of numbers"),
+        (np.zeros((4, 3), complex), "they are complex"),
     ],
 )
 def test_what_is_no_mesh_is_refused_in_a_line(given, says):

@@ -1,5 +1,6 @@
 """`subdfit.fit`: from whatever the caller has to a certified control mesh."""
 
+import logging
 import time
 from collections.abc import Callable
 from typing import Any, Literal
@@ -7,7 +8,7 @@ from typing import Any, Literal
 from subdfit.api.lengths import Length, parse_bytes, parse_length, parse_share, share_of
 from subdfit.api.result import FitResult
 from subdfit.api.sources import MeshSource
-from subdfit.api.targets import Preparation, check_count, joined, prepare, stages
+from subdfit.api.targets import Preparation, Prepared, check_count, joined, prepare, stages
 from subdfit.api.workers import workers
 from subdfit.compiled import compile_clock
 from subdfit.errors import InputError
@@ -15,6 +16,9 @@ from subdfit.fit import METHODS, FitSettings, Progress, fit_target
 from subdfit.fit.lavoue import require_lavoue
 from subdfit.measure import Tolerance
 from subdfit.schemes import scheme_named
+from subdfit.wording import counted
+
+logger = logging.getLogger(__name__)
 
 DEFAULT_MAX_ERROR = "0.1%"
 
@@ -130,6 +134,7 @@ def fit(
     begun, compiled = time.perf_counter(), compile_clock.seconds
     with workers(threads):
         ready = joined(prepare(target, how), how)
+        _tell_of_too_many(control_vertices, ready)
         stages.info("first control mesh")
         settings = FitSettings(
             scheme=scheme,
@@ -195,6 +200,18 @@ def _check(
     if control_vertices and budget and control_vertices > budget:
         raise InputError(
             f"control_vertices is {control_vertices} and max_control_vertices {budget}; start with no more than that"
+        )
+
+
+def _tell_of_too_many(control_vertices: int | None, ready: Prepared) -> None:
+    """Warn that a fit does not start from more control vertices than there are data."""
+    count = len(ready.target.used)
+    if control_vertices is not None and control_vertices > count:
+        logger.warning(
+            "%s: control_vertices is %d, but there are only %s to start from",
+            ready.name,
+            control_vertices,
+            counted(count, "data point"),
         )
 
 

@@ -56,9 +56,13 @@ def share_of(length: Length | None, name: str, diagonal: float) -> float | None:
     InputError
         It is no less than the diagonal, so that anything would do.
     """
-    if length is None or length.relative:
-        return length and length.value
+    if length is None:
+        return None
     share = length.share(diagonal)
+    if length.relative:
+        if share >= 1:
+            raise InputError(f"{name} is {100 * share:.3g} % of the diagonal; give a smaller share, such as 0.05%")
+        return share
     text = f"{name} {length.value:g} is {100 * share:.3g} % of the diagonal, {diagonal:.4g}; is it in the data's unit?"
     if share >= 1:
         raise InputError(f"{text} Give a smaller length, or a share of the diagonal such as 0.05%")

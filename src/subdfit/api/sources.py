@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from subdfit.errors import InputError
 from subdfit.io import read
 from subdfit.mesh.control_mesh import ControlMesh
-from subdfit.mesh.data import MeshData
+from subdfit.mesh.data import MeshData, positions
 
 MeshSource = str | os.PathLike[str] | MeshData | ControlMesh | tuple[ArrayLike, ArrayLike] | ArrayLike | Any
 """A path, `MeshData`, a `ControlMesh`, ``(vertices, faces)``, an array of points, a trimesh or a PyVista object."""
@@ -78,10 +78,7 @@ def _from_pyvista(given: Any) -> MeshData:
 
 
 def _data(vertices: ArrayLike, faces: Any) -> MeshData:
-    try:
-        points = np.array(vertices, np.float64, order="C")
-    except (TypeError, ValueError) as error:
-        raise InputError(f"the vertices are no array of numbers ({error}); give one row of three each") from None
+    points = np.array(positions(vertices))
     if points.ndim != 2 or points.shape[1] != 3:
         raise InputError(f"the vertices have the shape {points.shape}; give one row of three coordinates each")
     sizes, corners = _ragged(faces)

@@ -91,6 +91,7 @@ def prepare(given: MeshSource, how: Preparation) -> Prepared:
     clock = time.perf_counter()
     stages.info("mending")
     mended = mend(data, repair=how.repair, name=name).data
+    _require_extent(mended.points, name)
     target = _mesh(mended, how, name) if mended.face_count else point_target(mended.points, mended.normals)
     return Prepared(target, name, {"read": read, "prepare": time.perf_counter() - clock})
 
@@ -117,6 +118,15 @@ def joined(ready: Prepared, how: Preparation) -> Prepared:
     sharp: Creases = "none" if how.creases == "auto" else how.creases
     target = cloud_target(np.concatenate([points, added]), rows[triangles], creases=sharp, used=used)
     return Prepared(target, ready.name, ready.seconds | {"reconstruct": time.perf_counter() - clock})
+
+
+def _require_extent(points: NDArray[np.float64], name: str) -> None:
+    """Raise InputError where there is nothing to fit."""
+    extent = np.ptp(points, axis=0)
+    if not extent.any():
+        raise InputError(f"{name}: all points coincide, there is nothing to fit; export it again")
+    if not np.linalg.norm(extent) > 0:  # its square is less than the least number
+        raise InputError(f"{name}: all points lie within {extent.max():.2g} of each other; scale them up")
 
 
 def _near(points: NDArray[np.float64], found: Reconstructed, kept: Reconstructed) -> NDArray[np.int64]:

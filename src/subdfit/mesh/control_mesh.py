@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from subdfit.errors import InputError
-from subdfit.mesh.data import MeshData
+from subdfit.mesh.data import MeshData, positions
 from subdfit.mesh.topology import Topology
 
 
@@ -26,7 +26,7 @@ class ControlMesh:
     scheme: str | None = None
 
     def __post_init__(self) -> None:
-        points = np.ascontiguousarray(self.points, np.float64)
+        points = positions(self.points)
         if points.shape != (self.topology.vertex_count, 3):
             raise InputError(f"{points.shape} positions for {self.topology.vertex_count} vertices; give one row each")
         object.__setattr__(self, "points", points)
@@ -48,12 +48,12 @@ class ControlMesh:
     @classmethod
     def from_triangles(cls, points: ArrayLike, triangles: ArrayLike, **tags: ArrayLike | None) -> "ControlMesh":
         """Build from (n, 3) positions and (m, 3) triangles; `tags` as in `Topology.from_faces`."""
-        positions = np.asarray(points, np.float64)
-        return cls(Topology.from_triangles(triangles, len(positions), **tags), positions)
+        rows = positions(points)
+        return cls(Topology.from_triangles(triangles, len(rows), **tags), rows)
 
     def with_points(self, points: ArrayLike) -> "ControlMesh":
         """Return the same connectivity with other positions."""
-        return ControlMesh(self.topology, np.asarray(points, np.float64), self.scheme)
+        return ControlMesh(self.topology, positions(points), self.scheme)
 
     def to_data(self) -> MeshData:
         """Return plain arrays, as writers take them."""

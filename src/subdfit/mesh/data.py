@@ -3,7 +3,9 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+from subdfit.errors import InputError
 
 SHARP_FOR_EVER = 10.0
 """Sharpness from which a crease or corner never smooths (OpenSubdiv's convention)."""
@@ -19,6 +21,19 @@ def _no_numbers() -> NDArray[np.float64]:
 
 def _no_indices() -> NDArray[np.int64]:
     return np.empty(0, np.int64)
+
+
+def positions(given: ArrayLike) -> NDArray[np.float64]:
+    """Positions as float64; raises InputError for what are no real numbers."""
+    try:
+        values = np.asarray(given)
+        if np.iscomplexobj(values):
+            raise TypeError("they are complex")
+        return np.ascontiguousarray(values, np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"the vertices are no array of numbers ({error}); give one row of three real ones each"
+        ) from None
 
 
 @dataclass(frozen=True)

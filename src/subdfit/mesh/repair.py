@@ -41,12 +41,15 @@ def check(data: MeshData, name: str = "mesh") -> None:
     Raises
     ------
     InputError
-        There are no points, a coordinate is not finite (or so large that its square is not), a face, crease or
-        corner names a vertex that does not exist, a sharpness is no number from 0 on, or normals are not one a point.
+        There are no points, they are complex, a coordinate is not finite (or so large that its square is not), a face,
+        crease or corner names a vertex that does not exist, a sharpness is no number from 0 on, or normals are not one
+        a point.
     """
     count = len(data.points)
     if count == 0:
         raise InputError(f"{name}: has no points; export it again")
+    if np.iscomplexobj(data.points):
+        raise InputError(f"{name}: its points are complex numbers; give real ones")
     fine = np.abs(data.points) < _LARGEST
     if not fine.all():
         bad = np.flatnonzero(~fine.all(axis=1))
@@ -228,8 +231,8 @@ class _Bench:
         edge = self._edge_name(crowded[0][0])
         if not repair:
             raise InputError(
-                f"{self.name}: {counted(len(crowded), 'edge has', 'edges have')} more than two faces, the first "
-                f"is {edge} with {len(crowded[0])}; repair=True (--repair of fit and measure) cuts the sheets apart"
+                f"{self.name}: {counted(len(crowded), 'edge has', 'edges have')} more than two faces, the first is "
+                f"{edge} with {len(crowded[0])}; repair=True (--repair of fit, measure and segment) cuts them apart"
             )
         found = self.edges.first, self.edges.second
         matched = match_crowded(self.faces, self.edges, self.data.points[self.origin])
@@ -253,7 +256,7 @@ class _Bench:
                 raise InputError(
                     f"{self.name}: the surface cannot be oriented, following it round through edge "
                     f"{self._edge_name(edges.first[cut][0])} turns it over; "
-                    "repair=True (--repair of fit and measure) cuts it open"
+                    "repair=True (--repair of fit, measure and segment) cuts it open"
                 )
             turned = np.where(twisted, tree_turned, turned)
             self._split((edges.first[~cut], edges.second[~cut]))
