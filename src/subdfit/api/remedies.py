@@ -9,7 +9,7 @@ from subdfit.target.target import Target
 from subdfit.wording import counted
 
 TURNED = "ask for a smaller error, start from more control vertices or close holes (--fill-holes)"
-"""For a surface of which a part faces the wrong way."""
+"""For a surface of which a part faces the wrong way, which a verdict on one within tolerance says."""
 
 SHARP = 30.0
 """Degrees by which an edge bends that may be meant to be sharp."""
@@ -25,10 +25,10 @@ def remedy(result: FitResult) -> str | None:
         return None
     target = result.target
     assert target is not None
-    if result.measurement.sheets_fell_together:
-        return TURNED
     if result.status == "best_effort" and _worst_is_sharp(result, target):
         return f"if the edges that bend by more than {SHARP:.0f} degrees are sharp: --creases {SHARP:.0f}"
+    if result.measurement.sheets_fell_together:
+        return TURNED if result.status == "within_tolerance" else f"part of the surface faces the wrong way: {TURNED}"
     budget, data = result.settings.max_control_vertices or 0, len(target.used)
     spent = max(row.control_vertices for row in result.history) >= SPENT * budget > 0
     if spent and budget < data:

@@ -69,7 +69,7 @@ def measure_table(found: "Comparison") -> str:
     counts = f"{counted(topology.vertex_count, 'control vertex')}, {counted(topology.face_count, 'face')}"
     tail = [f"diagonal {m.diagonal:.6g} {unit or 'units'}, largest error {m.max * m.diagonal:.4g} {unit or 'units'}"]
     if found.status is not None:
-        turned = found.measurement.sheets_fell_together
+        turned = found.status == "within_tolerance" and found.measurement.sheets_fell_together
         tail.append(verdict_on(found) + (f"; {TURNED}" if turned else ""))
     return "\n".join(
         [
