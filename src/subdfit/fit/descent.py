@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from subdfit.fit.reverse import CurveSamples, Samples
 from subdfit.fit.state import FitState
+from subdfit.fit.system import System
 from subdfit.fit.tangent import TangentSettings, curve_reverse_rows, merit, reverse_rows, tangent_system
 
 DAMPING_RANGE = (1e-4, 1e3)
@@ -60,13 +61,12 @@ class Descent:
         `insistence` is a factor on the weight of the samples.
         """
         state, samples, curves = part.state, part.samples, part.curves
-        energy, system = merit(state, samples, curves, self.weights, self.bound, insistence), None
+        energy = merit(state, samples, curves, self.weights, self.bound, insistence)
+        system: System | None = None
         kept = 0
         for _ in range(TRIES * part.steps):
             if system is None:
-                pulled = [reverse_rows(state, self.weights, samples, self.bound, insistence)]
-                pulled += [curve_reverse_rows(state, self.weights, found) for found in curves]
-                system = tangent_system(state, self.weights, pulled, part.free)
+                system = self._system(state, samples, curves, part.free, insistence)
             moved = state.moved(state.surface.control_mesh.points + system.solve(self.damping))
             fresh = samples.renewed(moved.surface, state.data.target)
             left = merit(moved, fresh, curves, self.weights, self.bound, insistence)
@@ -81,3 +81,16 @@ class Descent:
             if gain > part.gain or kept == part.steps:
                 break
         return state
+
+    def _system(
+        self,
+        state: FitState,
+        samples: Samples,
+        curves: list[CurveSamples],
+        free: NDArray[np.bool_],
+        insistence: float,
+    ) -> System:
+        """The system of one step; the terms that it joins are forgotten, as they take as much memory as it does."""
+        pulled = [reverse_rows(state, self.weights, samples, self.bound, insistence)]
+        pulled += [curve_reverse_rows(state, self.weights, found) for found in curves]
+        return tangent_system(state, self.weights, pulled, free)

@@ -126,9 +126,7 @@ def measure(
     allowed
         What may be left out of max, rms and mean.
     """
-    projector = Projector(surface)
-    data = projector.certain(target.points[target.used])
-    excluded = outliers(data.distance, allowed.share, allowed.bound)
+    data, excluded, inside = _forward(surface, target, spacing, allowed)
     distance = np.delete(data.distance, excluded)
     reverse = _reverse(surface, target)
     rms, mean = _rms_and_mean(distance)
@@ -144,7 +142,7 @@ def measure(
         boundary=None if target.cloud else _curve_errors(surface, target, inner=False),
         crease=_curve_errors(surface, target, inner=True),
         faceting=target.faceting,
-        samples_excess=_samples_excess(projector, target, spacing, excluded),
+        samples_excess=inside,
         reverse_excess=reverse.excess,
         reverse_held=_rms_and_mean(held),
         footpoints=data,
@@ -152,6 +150,19 @@ def measure(
         facing_away=reverse.facing_away,
         excluded=excluded,
     )
+
+
+def _forward(
+    surface: LimitSurface, target: Target, spacing: float, allowed: Outliers
+) -> tuple[Projection, NDArray[np.int64], float]:
+    """Footpoints of the data, outliers among them, and the excess of samples inside large faces.
+
+    What was searched in is then forgotten.
+    """
+    projector = Projector(surface)
+    data = projector.certain(target.points[target.used])
+    excluded = outliers(data.distance, allowed.share, allowed.bound)
+    return data, excluded, _samples_excess(projector, target, spacing, excluded)
 
 
 def _rms_and_mean(distance: Floats) -> tuple[float, float]:

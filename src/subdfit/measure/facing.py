@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from subdfit.parallel import map_chunks
 from subdfit.target.normals import face_normals
 from subdfit.target.target import Target
 
@@ -13,6 +14,9 @@ AWAY = -0.3
 MOST_AWAY = 0.02
 """Share of the area from which a surface is no longer the target's. In sound fits .002 at most faces away, in those of
 thin disks and lenses whose sheets had fallen together .047 and more."""
+
+CHUNK = 65536
+"""Triangles that are judged at one go: more would take memory for nothing."""
 
 AS_NEAR = 1e-6
 """Share of the diagonal by which faces may be farther than the nearest and count as near: the two sides of a sheet."""
@@ -35,13 +39,19 @@ def share_facing_away(
     """
     if target.cloud or not target.is_mesh:
         return 0.0
-    a, b, c = (samples[corner] for corner in triangles.T)
-    normal = np.cross(b - a, c - a)
-    area = np.linalg.norm(normal, axis=1)
     facing = face_normals(target.points, target.triangles)
-    away = np.all(np.einsum("kd,kcd->kc", normal, facing[nearest[triangles]]) < AWAY * area[:, None], axis=1)
-    rows = np.flatnonzero(away)
-    away[rows] = ~_meets_both_sides((a + b + c)[rows] / 3, normal[rows], target, facing)
+
+    def judged(start: int, stop: int) -> tuple[Floats, NDArray[np.bool_]]:
+        some = triangles[start:stop]
+        a, b, c = (samples[corner] for corner in some.T)
+        normal = np.cross(b - a, c - a)
+        area = np.linalg.norm(normal, axis=1)
+        away = np.all(np.einsum("kd,kcd->kc", normal, facing[nearest[some]]) < AWAY * area[:, None], axis=1)
+        rows = np.flatnonzero(away)
+        away[rows] = ~_meets_both_sides((a + b + c)[rows] / 3, normal[rows], target, facing)
+        return area, away
+
+    area, away = (np.concatenate(parts) for parts in zip(*map_chunks(judged, len(triangles), CHUNK), strict=True))
     share = float(area[away].sum() / max(area.sum(), 1e-300))
     return min(share, 1 - share)
 

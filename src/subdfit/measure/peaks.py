@@ -32,7 +32,7 @@ second. The distance from the target has ridges, where two of its triangles are 
 way along one would be missed."""
 
 
-AT_ONCE = 8192
+AT_ONCE = 2048
 """So many searches go on side by side: more would take memory for nothing."""
 
 

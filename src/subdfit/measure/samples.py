@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from subdfit.limit.surface import LimitSurface
 from subdfit.limit.tessellate import Lattice, cut, grid_nodes, lattice
+from subdfit.parallel import map_chunks
 from subdfit.schemes.domain import QUAD, TRIANGLE, Domain
 
 Floats = NDArray[np.float64]
@@ -21,6 +22,9 @@ SPACING, MOST_SEGMENTS, MOST_IN_ALL = 0.01, 64, 1_000_000
 """Cells in which these lie farther apart, as a share of the diagonal, have as many times the segments, up to so many,
 and about so many samples in all: between few data large cells bulge, and the bulge must not fall between the samples.
 """
+
+CHUNK = 65536
+"""Triangles whose sides are measured at one go: more would take memory for nothing."""
 
 STEPS = np.array([1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64])
 """The factors that are used: cells that are cut alike are sampled together."""
@@ -117,8 +121,12 @@ def reverse_segments(domain: Domain) -> int:
 
 def _times(position: Floats, grid: Lattice, segments: int) -> NDArray[np.int64]:
     """How many times the segments each cell, (c,), needs for samples that lie near enough."""
-    a, b, c = (position[grid.triangles[:, k]] for k in range(3))
-    squares = np.max([np.einsum("td,td->t", side, side) for side in (b - a, c - b, a - c)], axis=0)
+
+    def longest_sides(start: int, stop: int) -> Floats:
+        a, b, c = (position[corner] for corner in grid.triangles[start:stop].T)
+        return np.asarray(np.max([np.einsum("td,td->t", side, side) for side in (b - a, c - b, a - c)], axis=0))
+
+    squares = np.concatenate([np.empty(0), *map_chunks(longest_sides, len(grid.triangles), CHUNK)])
     sampled = np.flatnonzero(np.diff(grid.begin))
     longest = np.zeros(len(grid.begin) - 1)
     longest[sampled] = np.sqrt(np.maximum.reduceat(squares, grid.begin[sampled])) if len(sampled) else 0.0
