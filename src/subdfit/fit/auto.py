@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from subdfit.fit.adapt import refined
 from subdfit.fit.changes import ring
 from subdfit.fit.descent import Descent, Part
-from subdfit.fit.faults import Faults, all_sides, curve_sides, cutting_sides
+from subdfit.fit.faults import Faults, all_sides, curve_sides, cutting_sides, within_budget
 from subdfit.fit.held import boundary_held, boundary_vertices
 from subdfit.fit.reverse import Samples, sparse_curve_samples, sparse_samples
 from subdfit.fit.settings import FitSettings
@@ -150,7 +150,7 @@ class Auto:
         marks = all_sides(state, faces) if last else cutting_sides(state, faces)
         if tolerance.max is not None:
             marks |= curve_sides(state, CURVE_FACTOR * tolerance.max)
-        marks = self._within_budget(state, marks, faces)
+        marks = within_budget(state, marks, faces, self.settings.max_control_vertices)
         finer = self._refined(state, marks, few)
         return finer, self._focus(state, finer, focus, marks) if few and len(focus) else None
 
@@ -202,16 +202,3 @@ class Auto:
         asked = self.settings.tolerance
         ratios = [e / b for e, b in ((errors.rms, asked.rms), (errors.mean, asked.mean)) if b is not None]
         return max(ratios) - 1
-
-    def _within_budget(self, state: FitState, marks: Flags, faces: NDArray[np.int64]) -> Flags:
-        """Drop marks, all but those of the worst faces, where they would exceed the budget of vertices."""
-        budget = self.settings.max_control_vertices
-        if budget is None:
-            return marks
-        room = budget - state.surface.topology.vertex_count
-        if room <= 0:
-            return np.zeros_like(marks)
-        if np.count_nonzero(marks) <= room:
-            return marks
-        cost = np.bincount(state.surface.topology.face, marks, minlength=state.surface.topology.face_count)
-        return marks & all_sides(state, faces[np.cumsum(cost[faces]) <= room])

@@ -93,6 +93,20 @@ def cutting_sides(state: FitState, faces: Rows) -> Flags:
     return marks
 
 
+def within_budget(state: FitState, marks: Flags, faces: Rows, budget: int | None) -> Flags:
+    """Drop marks of sides, (h,), all but those of the first of the faces, where they exceed the budget of vertices."""
+    if budget is None:
+        return marks
+    topology = state.surface.topology
+    room = budget - topology.vertex_count
+    if room <= 0:
+        return np.zeros_like(marks)
+    if np.count_nonzero(marks) <= room:
+        return marks
+    cost = np.bincount(topology.face, marks, minlength=topology.face_count)
+    return marks & all_sides(state, faces[np.cumsum(cost[faces]) <= room])
+
+
 def _longest(state: FitState, part: Sides) -> Rows:
     corners = Places(state.surface).vertices()[state.surface.topology.face_vertices[part.first]]
     length = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)

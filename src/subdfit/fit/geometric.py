@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from subdfit.closest.projection import Projector, corner_weights
 from subdfit.fit.adapt import refined
-from subdfit.fit.faults import Faults, all_sides, curve_sides
+from subdfit.fit.faults import Faults, all_sides, curve_sides, within_budget
 from subdfit.fit.held import boundary_held
 from subdfit.fit.places import Places
 from subdfit.fit.reverse import Samples
@@ -150,12 +150,16 @@ class Geometric:
         self._before, self._momentum = None, 1.0
         tolerance = self.settings.tolerance
         state = state.refreshed(tolerance.max or 0.0)
-        chosen = self._faces_to_split(state)
-        budget = self.settings.max_control_vertices
-        if not len(chosen) or (budget is not None and state.surface.topology.vertex_count >= budget):
+        chosen, budget = self._faces_to_split(state), self.settings.max_control_vertices
+        worst = chosen[np.argsort(-Faults.of(state).maximum[chosen], kind="stable")]
+        marks = within_budget(state, all_sides(state, chosen), worst, budget)
+        if not marks.any():
             return state
-        finer = refined(state, all_sides(state, chosen), whole_faces=True)
-        return boundary_held(finer, self.settings) if self.settings.fixed_boundary else finer
+        finer = refined(state, marks, whole_faces=True)
+        if self.settings.fixed_boundary:
+            finer = boundary_held(finer, self.settings)
+        # Splits that close cracks may take more than was marked.
+        return state if budget is not None and finer.surface.topology.vertex_count > budget else finer
 
     def _faces_to_split(self, state: FitState) -> NDArray[np.int64]:
         """Where the error does not become small enough: the face maximum, or its mean where only that is asked.
