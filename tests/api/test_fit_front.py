@@ -7,7 +7,6 @@ import pytest
 from tests.shapes.zoo import octahedron_data
 
 import subdfit
-from subdfit.api.memory import estimate
 from subdfit.errors import InputError
 
 
@@ -155,14 +154,6 @@ def test_memory_is_refused_with_the_estimate(sphere, tmp_path):
     path.write_bytes(b"ply\n" + bytes(2_000_000))
     with pytest.raises(InputError, match=r"large\.ply: reading it needs about"):
         subdfit.fit(path, memory="100M")
-
-
-@pytest.mark.parametrize(
-    ("points", "faces", "peak"), [(35_947, 69_451, 323), (134_345, 268_686, 419), (437_645, 871_414, 1064)]
-)
-def test_the_estimate_is_at_most_twice_the_measured_peak(points, faces, peak):
-    """Peaks in MiB, as measured on bunny, igea and dragon."""
-    assert 1.0 <= estimate(points, 3 * faces) / (peak << 20) <= 2.0
 
 
 def with_bad_point(points):

@@ -1,11 +1,13 @@
 """`subdfit.fit`: from whatever the caller has to a certified control mesh."""
 
 import logging
+import math
 import time
 from collections.abc import Callable
 from typing import Any, Literal
 
-from subdfit.api.lengths import Length, parse_bytes, parse_length, parse_share, share_of
+from subdfit.api.lengths import Length, parse_bytes, parse_length, parse_share, share_of, show_bytes
+from subdfit.api.memory import check_job, vertices_within
 from subdfit.api.result import FitResult
 from subdfit.api.sources import MeshSource
 from subdfit.api.targets import Preparation, Prepared, check_count, joined, prepare, stages
@@ -14,6 +16,7 @@ from subdfit.compiled import compile_clock
 from subdfit.errors import InputError
 from subdfit.fit import METHODS, FitSettings, Progress, fit_target
 from subdfit.fit.lavoue import require_lavoue
+from subdfit.initial.start import LEAST_SHARE
 from subdfit.measure import Tolerance
 from subdfit.schemes import scheme_named
 from subdfit.wording import counted
@@ -73,7 +76,7 @@ def fit(
     control_vertices
         Vertices to start from; None chooses from the tolerance. Not for ``lavoue``.
     max_control_vertices
-        Budget, at which the best is returned; None is unbounded.
+        Budget, at which the best is returned; None is as many as the target has points.
     creases
         ``auto`` takes the creases that the file tags, else edges that are surely sharp; ``none``; or an angle in
         degrees above which an edge is a crease.
@@ -105,7 +108,8 @@ def fit(
     threads
         Threads to use; None takes one a core. The result does not depend on it.
     memory
-        Bytes, or a string such as ``"2G"``: refuse at once what would need more, with an estimate.
+        Bytes, or a string such as ``"2G"``: what would need more is refused at once, with an estimate, and the budget
+        of control vertices is lowered to what the rest of the memory allows, which is told.
 
     Returns
     -------
@@ -133,7 +137,9 @@ def fit(
     _check_relaxation(over_relaxation)
     begun, compiled = time.perf_counter(), compile_clock.seconds
     with workers(threads):
-        ready = joined(prepare(target, how), how)
+        ready = prepare(target, how)
+        budget = _budget(ready, how.memory, scheme, control_vertices, max_control_vertices)
+        ready = joined(ready, how)
         _tell_of_too_many(control_vertices, ready)
         stages.info("first control mesh")
         settings = FitSettings(
@@ -141,7 +147,7 @@ def fit(
             method=method,
             tolerance=shares(lengths, ready.target.diagonal),
             control_vertices=control_vertices,
-            max_control_vertices=max_control_vertices,
+            max_control_vertices=budget,
             robust=CLOUD_SHARE * ready.target.cloud if share is None else share,
             fixed_boundary=boundary == "fixed",
             over_relaxation=over_relaxation,
@@ -181,6 +187,26 @@ def elapsed(begun: float, compiled: float) -> dict[str, float]:
     """Seconds since a start, compiling apart."""
     compiling = compile_clock.seconds - compiled
     return {"compile": compiling, "total": time.perf_counter() - begun - compiling}
+
+
+def _budget(ready: Prepared, limit: int | None, scheme: str, start: int | None, asked: int | None) -> int | None:
+    """The most control vertices: what was asked, or fewer where the memory allows no more, which is told.
+
+    Raises
+    ------
+    InputError
+        Not even the first control mesh would fit into the memory, of which None stands for any amount.
+    """
+    if limit is None:
+        return asked
+    points, corners = len(ready.target.points), ready.target.triangles.size
+    check_job(points, corners, limit, ready.name, start or math.ceil(LEAST_SHARE * points), scheme)
+    allowed = vertices_within(limit, points, corners, scheme)
+    if allowed >= (asked or points):
+        return asked
+    most = counted(allowed, "control vertex")
+    logger.warning("%s: %s of memory allow %s, and the fit takes no more", ready.name, show_bytes(limit), most)
+    return allowed
 
 
 def _check(

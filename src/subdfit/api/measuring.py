@@ -8,6 +8,7 @@ from typing import Any, Literal
 from subdfit.api.cages import control_mesh_of
 from subdfit.api.fitting import elapsed, shares, tolerances
 from subdfit.api.lengths import parse_bytes
+from subdfit.api.memory import check_job
 from subdfit.api.result import tolerance_dict
 from subdfit.api.sources import MeshSource
 from subdfit.api.targets import Preparation, Prepared, joined, prepare, stages
@@ -155,7 +156,10 @@ def compare(
     with workers(threads):
         stages.info("reading")
         mesh = control_mesh_of(control_mesh, scheme)
-        ready = _joined(prepare(target, how), how)
+        ready = prepare(target, how)
+        points, corners = len(ready.target.points), ready.target.triangles.size
+        check_job(points, corners, how.memory, ready.name, mesh.topology.vertex_count, str(mesh.scheme))
+        ready = _joined(ready, how)
         clock = time.perf_counter()
         stages.info("measuring")
         found = _measured(mesh, ready.target)

@@ -1,15 +1,20 @@
 """How much memory a job will need, told before it begins.
 
-A fit peaks twice: while a file is parsed, and while the footpoints of all data are searched on a control mesh that is
-nearly dense enough. The rates are rounded up from fits to .05 % of the diagonal, peak resident memory on Linux:
+A fit peaks in its last rounds and in the certificate, whose samples and search trees grow with the control vertices.
+The rates are rounded up from peaks of resident memory on Linux, two threads at most, kernels compiled already; where
+they have yet to be compiled, that takes 150 MiB more, which the estimate holds room for:
 
-======= ======= ======== ======== ========
-scan    points  vertices peak MiB estimate
-======= ======= ======== ======== ========
-bunny    35,947    4,760      323      363
-igea    134,345    7,029      419      686
-dragon  437,645   24,845    1,064    1,665
-======= ======= ======== ======== ========
+============ ============= ======= ======== ======== ========
+target       scheme         points vertices peak MiB estimate
+============ ============= ======= ======== ======== ========
+bunny        loop           35,947    4,348      386      595
+igea         loop          134,345  107,693    1,769    2,223
+dragon       loop          437,645    2,000      811    1,166
+noisy sphere loop           41,000   41,000      844    1,128
+sphere       catmull-clark  40,000   23,044      788    1,156
+sphere       doo-sabin      40,000   15,000      529      941
+sphere       quad-triangle  40,000   23,327      651    1,241
+============ ============= ======= ======== ======== ========
 
 Refining peaks with the last step, at 45 to 70 bytes a face corner in any scheme; when the mesh is written, at 105 in a
 binary file and 195 in a text.
@@ -20,25 +25,50 @@ from pathlib import Path
 
 from subdfit.api.lengths import show_bytes
 from subdfit.errors import InputError
+from subdfit.parallel import threads
 from subdfit.wording import counted
 
-_PROGRAM = 250 * 1024**2
-"""Bytes of the interpreter, its libraries and the compiled kernels."""
+_PROGRAM, _PER_THREAD = 440 * 1024**2, 20 * 1024**2
+"""Bytes of the interpreter, its libraries and the kernels, while these are compiled; and of each thread's work."""
+
+_TYPES = {"quad-triangle": 2**28}
+"""Bytes of the types of patches that are kept for the next control mesh, by scheme, where they are many."""
 
 _PER_FILE_BYTE = 12
 """Bytes for each byte of a text file while it is parsed; binary files take half."""
 
-_PER_POINT, _PER_CORNER = 1000, 400
-"""Bytes for each point and each face corner of a target while it is fitted to .05 %."""
+_PER_POINT, _PER_CORNER = 500, 180
+"""Bytes for each point and each face corner of a target while it is fitted."""
 
+_PER_VERTEX = {"loop": 15000, "catmull-clark": 28000, "doo-sabin": 28000, "quad-triangle": 20000}
+"""Bytes for each control vertex of the finest control mesh."""
 
 _PER_REFINED_CORNER = 200
 """Bytes for each face corner of a refined mesh that is written."""
 
 
-def estimate(points: int, corners: int) -> int:
-    """Bytes that fitting takes at its peak, for a target of so many points and face corners."""
-    return _PROGRAM + _PER_POINT * points + _PER_CORNER * corners
+def estimate(points: int, corners: int, vertices: int = 0, scheme: str = "loop", *, threads: int = 1) -> int:
+    """Bytes that fitting takes at its peak.
+
+    Parameters
+    ----------
+    points, corners
+        The target's points and face corners; a cloud has none of these yet, and two triangles a point once joined.
+    vertices
+        The most control vertices.
+    scheme
+        The subdivision scheme's name.
+    threads
+        As many work at once.
+    """
+    target = _PER_POINT * points + _PER_CORNER * (corners or 6 * points)
+    program = _PROGRAM + _PER_THREAD * threads + _TYPES.get(scheme, 0)
+    return program + target + _PER_VERTEX[scheme] * vertices
+
+
+def vertices_within(limit: int, points: int, corners: int, scheme: str) -> int:
+    """The most control vertices that fitting such a target may have in `limit` bytes."""
+    return max(0, limit - estimate(points, corners, 0, scheme, threads=threads())) // _PER_VERTEX[scheme]
 
 
 def check_file(path: str | os.PathLike[str], limit: int | None) -> None:
@@ -48,10 +78,13 @@ def check_file(path: str | os.PathLike[str], limit: int | None) -> None:
         _refuse(need, limit, f"{Path(path).name}: reading it")
 
 
-def check_job(points: int, corners: int, limit: int | None, name: str) -> None:
-    """Raise InputError, with the estimate, where a job would need more than `limit` bytes."""
+def check_job(points: int, corners: int, limit: int | None, name: str, vertices: int = 0, scheme: str = "loop") -> None:
+    """Raise InputError, with the estimate, where a job would need more than `limit` bytes; see `estimate`."""
     if limit is not None:
-        _refuse(estimate(points, corners), limit, f"{name}: a job with {counted(points, 'point')}")
+        surface = f" and {counted(vertices, 'control vertex')}" if vertices else ""
+        need = estimate(points, corners, vertices, scheme, threads=threads())
+        fewer = " or fewer control vertices" if vertices else ""
+        _refuse(need, limit, f"{name}: a job with {counted(points, 'point')}{surface}", fewer)
 
 
 def check_refinement(corners: int, levels: int) -> None:
@@ -72,9 +105,9 @@ def machine_memory() -> int | None:
         return None
 
 
-def _refuse(need: int, limit: int, what: str) -> None:
+def _refuse(need: int, limit: int, what: str, fewer: str = "") -> None:
     if need > limit:
         raise InputError(
             f"{what} needs about {show_bytes(need)} of memory and {show_bytes(limit)} are allowed; allow more, or give "
-            "a coarser mesh"
+            f"a coarser mesh{fewer}"
         )

@@ -49,7 +49,10 @@ def add_machine_options(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("the machine")
     group.add_argument("--threads", metavar="N", type=int, help="threads to use (default: one a core)")
     group.add_argument(
-        "--memory", metavar="BYTES", help="refuse at once what would need more, such as 1500M or 2G, with an estimate"
+        "--memory",
+        metavar="BYTES",
+        help="refuse at once what would need more, such as 1500M or 2G, with an estimate; a fit takes no more control "
+        "vertices than it allows",
     )
     add_quiet(group)
 
