@@ -9,9 +9,10 @@ from pathlib import Path
 import pytest
 
 import subdfit
-from subdfit.api.memory import estimate
+from subdfit.api.memory import estimate, vertices_within
 from subdfit.errors import InputError
 from subdfit.parallel import threads
+from subdfit.schemes import SCHEMES
 
 
 def allowing(vertices):
@@ -90,6 +91,13 @@ def test_the_budget_is_lowered_to_what_the_memory_allows(sphere, caplog):
     assert result.status == "best_effort"
     assert result.settings.max_control_vertices == 60
     assert 30 < max(row.control_vertices for row in result.history) <= 60
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_all_schemes_have_an_estimate_that_grows_with_control_vertices(scheme):
+    few, many = (estimate(1000, 6000, vertices, scheme) for vertices in (100, 200))
+    assert many - few >= 100 * 15000
+    assert vertices_within(many, 1000, 6000, scheme) <= 200
 
 
 def test_a_budget_that_the_memory_allows_stays_and_nothing_is_told(sphere, caplog):

@@ -40,8 +40,8 @@ _PER_FILE_BYTE = 12
 _PER_POINT, _PER_CORNER = 500, 180
 """Bytes for each point and each face corner of a target while it is fitted."""
 
-_PER_VERTEX = {"loop": 15000, "catmull-clark": 28000, "doo-sabin": 28000, "quad-triangle": 20000}
-"""Bytes for each control vertex of the finest control mesh."""
+_PER_VERTEX, _PER_OTHER_VERTEX = {"loop": 15000, "quad-triangle": 20000}, 28000
+"""Bytes for each control vertex of the finest control mesh, by scheme, and those of other schemes."""
 
 _PER_REFINED_CORNER = 200
 """Bytes for each face corner of a refined mesh that is written."""
@@ -63,12 +63,16 @@ def estimate(points: int, corners: int, vertices: int = 0, scheme: str = "loop",
     """
     target = _PER_POINT * points + _PER_CORNER * (corners or 6 * points)
     program = _PROGRAM + _PER_THREAD * threads + _TYPES.get(scheme, 0)
-    return program + target + _PER_VERTEX[scheme] * vertices
+    return program + target + _per_vertex(scheme) * vertices
 
 
 def vertices_within(limit: int, points: int, corners: int, scheme: str) -> int:
     """The most control vertices that fitting such a target may have in `limit` bytes."""
-    return max(0, limit - estimate(points, corners, 0, scheme, threads=threads())) // _PER_VERTEX[scheme]
+    return max(0, limit - estimate(points, corners, 0, scheme, threads=threads())) // _per_vertex(scheme)
+
+
+def _per_vertex(scheme: str) -> int:
+    return _PER_VERTEX.get(scheme, _PER_OTHER_VERTEX)
 
 
 def check_file(path: str | os.PathLike[str], limit: int | None) -> None:
