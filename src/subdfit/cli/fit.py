@@ -170,7 +170,7 @@ def _write_unmeasured(args: argparse.Namespace, console: Console) -> int:
     for path in args.output:
         write_surface(path, console.best, api.LimitSurface(console.best), args.tessellate)
     console.rest()
-    others = {"--json": args.json, "--picture": args.picture, "--run": args.saved_run}
+    others = {"--json": args.json, "--picture": args.picture, "--plot": args.plot, "--run": args.saved_run}
     left_out = "".join(f"; {option} not written" for option, path in others.items() if path)
     vertices = counted(console.best.topology.vertex_count, "control vertex")
     say(f"{vertices}, interrupted before they were measured{left_out}")
