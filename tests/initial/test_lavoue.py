@@ -7,13 +7,16 @@ import pytest
 import trimesh
 from scipy.spatial import Delaunay
 
+import subdfit
 from subdfit.curves.loops import fit_loop
 from subdfit.curves.polyline import Polyline
 from subdfit.errors import InputError
 from subdfit.initial.lavoue import BoundaryPolygon, boundary_start
-from subdfit.initial.lavoue_contour import cut, topologic_contour
+from subdfit.initial.lavoue_contour import cut, passable, topologic_contour
 from subdfit.initial.lavoue_convex import convex_parts, is_convex
+from subdfit.initial.lavoue_crossing import Edges
 from subdfit.initial.lavoue_scores import ScoredSurface
+from subdfit.target.bvh import TriangleTree
 from subdfit.target.curvature import curvature_field
 from subdfit.target.curves import boundary_loops
 from subdfit.target.features import mesh_edges
@@ -180,6 +183,76 @@ def test_plate_with_holes_is_covered_without_overlap():
     a, b = boundary.face_vertices[sides], boundary.face_vertices[boundary.following[sides]]
     assert min(areas) > 0
     assert sum(areas) == pytest.approx((x[a] * y[b] - x[b] * y[a]).sum() / 2)
+
+
+def judged(mesh, points, triangles):
+    """Share of the limit surface that faces against the target where it is nearest, and its area over the target's."""
+    limit = subdfit.LimitSurface(mesh).tessellate(4, apart=True)
+    found = trimesh.Trimesh(limit.points, limit.triangles, process=False)
+    target = trimesh.Trimesh(points, triangles, process=False)
+    nearest = TriangleTree(points, triangles).closest(found.triangles_center).triangle
+    away = np.sum(found.face_normals * target.face_normals[nearest], axis=1) < 0
+    return found.area_faces[away].sum() / found.area, found.area / target.area
+
+
+@pytest.mark.parametrize(
+    ("name", "share", "away", "covered"),
+    [("holes", 5e-3, 0.01, 0.8), ("mech-holes-shark", 5e-3, 0.01, 0.8), ("blade", 5e-3, 0.1, 0.75)],
+)
+def test_real_starts_cover_the_target_once(meshes, name, share, away, covered):
+    """Curves within .5 % of the diagonal bring blade's sheets as near together: which one is nearest is chance."""
+    mesh = trimesh.load(meshes / f"{name}.ply", process=False)
+    points = np.asarray(mesh.vertices)
+    found, area = judged(boundary_start(points, mesh.faces, polygons(points, mesh.faces, share)), points, mesh.faces)
+    assert found < away
+    assert covered < area < 1.25
+
+
+HOLES = [(1.0, 0.6), (3.0, 1.4), (3.0, 0.6), (1.0, 1.4), (2.0, 1.0), (0.4, 1.0)]
+
+
+@pytest.mark.parametrize("paths", ["geodesic", "dijkstra"])
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 5, 6])
+def test_starts_of_bent_plates_cover_them_once(count, paths):
+    """Along a ruled plate many edges score near 0: none of them may run across a hole, or across another."""
+    points, triangles = plate([(x, y, 0.2) for x, y in HOLES[:count]])
+    points[:, 2] = (points[:, 0] / 4) ** 2 * 1.3
+    found, area = judged(boundary_start(points, triangles, polygons(points, triangles), paths=paths), points, triangles)
+    assert found < 1e-3
+    assert 0.95 < area < 1.05
+
+
+def test_paths_pass_between_vertices_of_the_boundary():
+    """A ring of one row of triangles has no vertex inside; its paths begin and end on the rims and cross it."""
+    angle = np.arange(12) * np.pi / 6
+    rim = np.stack([np.cos(angle), np.sin(angle), 0 * angle], 1)
+    k, on = np.arange(12), (np.arange(12) + 1) % 12
+    triangles = np.concatenate([np.stack([k, on, 12 + k], 1), np.stack([on, 12 + on, 12 + k], 1)])
+    points = np.concatenate([2 * rim, rim])
+    ring = scored(points, triangles)
+    assert len(ring.edge_path(0, 14)) == 0
+    opened = passable(ring)
+    assert opened.area == pytest.approx(ring.area)
+    path = opened.points[opened.edge_path(0, 14)]
+    assert len(path) > 2
+    assert np.linalg.norm(path[1:-1, :2], axis=1).max() < 2
+    corners = opened.points[opened.triangles]
+    assert np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2].min() > 0.01
+
+
+def test_edges_cross_on_one_sheet_only():
+    up = np.array([[0.0, 0, 1]])
+    edge = Edges(np.array([[0, 1]]), np.array([[[-1.0, 0, 0], [1, 0, 0]]]), up)
+
+    def crossed(a, b, ends=(2, 3), normal=up):
+        return edge.crossed_by(Edges(np.array([ends]), np.array([[a, b]], float), normal))
+
+    assert crossed([0, -1, 0.1], [0, 1, 0.1])
+    assert crossed([1, 0, 0], [0, 1, 0])
+    assert not crossed([0, 0.1, 0], [0, 1, 0])
+    assert not crossed([0, -1, 0.1], [0, 1, 0.1], normal=-up)
+    assert not crossed([0, -1, 1.5], [0, 1, 1.5])
+    assert not crossed([1, 0, 0], [0, 1, 0], ends=(1, 2))
 
 
 def test_points_of_no_triangle_do_not_count():

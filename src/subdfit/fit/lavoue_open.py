@@ -12,16 +12,18 @@ from subdfit.fit.lavoue_enrichment import Faces, is_diffuse, principal_error_fie
 from subdfit.fit.lavoue_optimisation import optimise
 from subdfit.limit.surface import LimitSurface
 from subdfit.limit.tessellate import lattice
+from subdfit.measure.facing import MOST_AWAY, share_facing_away
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.schemes import scheme_named
+from subdfit.target.bvh import TriangleTree
 from subdfit.target.curvature import CurvatureField
 from subdfit.target.features import mesh_edges
 from subdfit.target.target import Target
 
 Floats = NDArray[np.float64]
 
-_SEGMENTS = 6
-"""Segments a side into which the surface is cut for its error field."""
+_SEGMENTS, _FINE = 6, 16
+"""Segments a side into which the surface is cut for its error field, and for its errors."""
 
 
 @dataclass(frozen=True)
@@ -31,12 +33,17 @@ class OpenFit:
     Attributes
     ----------
     mesh : the control mesh; its boundary is that of the first one.
-    mean : mean distance of its samples from the target, in the target's unit.
+    mean : the larger of the mean distances of the surface from the target and of the target's points from the surface,
+        in the target's unit.
+    away : share of the surface's area that faces against the target.
+    within : whether the mean is within the tolerance, and the surface not folded.
     history : control vertices and mean distance after each optimisation.
     """
 
     mesh: ControlMesh
     mean: float
+    away: float
+    within: bool
     history: list[tuple[int, float]]
 
 
@@ -55,8 +62,8 @@ def fit_open(
     ----------
     start : the first control mesh, such as `boundary_start` makes.
     target, field : the mesh and the curvature at its vertices.
-    tolerance : mean distance of samples from the target, in its unit; None is the paper's 5e-3 of the longest side of
-        the bounding box.
+    tolerance : mean distance between surface and target, either way, in the target's unit; None is the paper's 5e-3 of
+        the longest side of the bounding box.
     rounds : of an optimisation at most; m0 in the paper.
     most_vertices : where to stop enriching.
     """
@@ -67,14 +74,26 @@ def fit_open(
     while True:
         held = np.zeros(len(mesh.points), np.bool_)
         held[mesh.topology.edge_vertices[mesh.topology.boundary_edges]] = True
-        found = optimise(mesh, target, field, rounds=rounds, fixed=held, enough=tolerance)
-        mesh, mean = found.mesh, float(found.mean.min())
+        mesh = optimise(mesh, target, field, rounds=rounds, fixed=held, data=True).mesh
+        mean, away = _errors(mesh, target)
         history.append((len(mesh.points), mean))
-        if best is None or mean < best.mean:
-            best = OpenFit(mesh, mean, history)
-        if mean <= tolerance or len(mesh.points) >= most_vertices:
+        found = OpenFit(mesh, mean, away, mean <= tolerance and away <= MOST_AWAY, history)
+        if best is None or (not found.within, found.mean) < (not best.within, best.mean):
+            best = found
+        if found.within or len(mesh.points) >= most_vertices:
             return best
         mesh = enriched(mesh, target)
+
+
+def _errors(mesh: ControlMesh, target: Target) -> tuple[float, float]:
+    """The larger of the mean distances to the target and from it, and the share of the area that faces away."""
+    surface = LimitSurface(mesh, scheme_named(mesh.scheme or "loop"))
+    grid = lattice(surface.domain, _FINE)
+    samples = surface.evaluate(grid.face, grid.uv).position
+    there = target.tree.closest(samples)
+    back = TriangleTree(samples, grid.triangles).closest(target.points[target.used])
+    away = share_facing_away(samples, grid.triangles, target, there.triangle)
+    return float(max(there.distance.mean(), back.distance.mean())), away
 
 
 def enriched(mesh: ControlMesh, target: Target) -> ControlMesh:
@@ -86,8 +105,8 @@ def enriched(mesh: ControlMesh, target: Target) -> ControlMesh:
     surface = LimitSurface(mesh, scheme_named(mesh.scheme or "loop"))
     grid = lattice(surface.domain, _SEGMENTS)
     samples = surface.evaluate(grid.face, grid.uv).position
-    nearest = target.tree.closest(samples)
-    field = principal_error_field(nearest.distance, mesh_edges(samples, grid.triangles).vertices)
+    distance, place = _field(target, samples, grid.triangles)
+    field = principal_error_field(distance, mesh_edges(samples, grid.triangles).vertices)
     face = np.repeat(mesh.topology.face[surface.domain.half_edge], np.diff(grid.begin))
     chosen = np.unique(face[field[grid.triangles].any(axis=1)]).tolist()
     faces = Faces.of(mesh)
@@ -95,9 +114,20 @@ def enriched(mesh: ControlMesh, target: Target) -> ControlMesh:
     inner[mesh.topology.edge_vertices[mesh.topology.boundary_edges]] = False
     around = [set(np.flatnonzero(mesh.topology.face_vertices == v)) for v in np.flatnonzero(inner)]
     holds_vertex = any({int(mesh.topology.face[h]) for h in corners} <= set(chosen) for corners in around)
-    worst = int(np.argmax(nearest.distance))
-    place = target.on_triangles(nearest.triangle[[worst]], nearest.uv[[worst]])[0]
-    local = len(chosen) > 1 and not holds_vertex and not is_diffuse(nearest.distance, field)
+    local = len(chosen) > 1 and not holds_vertex and not is_diffuse(distance, field)
     if not (local and faces.merge_and_insert(chosen, place)):
         faces.enrich_each(chosen)
     return faces.frozen(mesh)
+
+
+def _field(target: Target, samples: Floats, triangles: NDArray[np.int32]) -> tuple[Floats, Floats]:
+    """Distances of samples, or of what of the target is nearest to them, and the target's place of the largest."""
+    there = target.tree.closest(samples)
+    data = target.points[target.used]
+    back = TriangleTree(samples, triangles).closest(data)
+    distance = there.distance.copy()
+    np.maximum.at(distance, triangles[back.triangle], back.distance[:, None])
+    far, worst = int(np.argmax(back.distance)), int(np.argmax(there.distance))
+    if back.distance[far] > there.distance[worst]:
+        return distance, data[far]
+    return distance, target.on_triangles(there.triangle[[worst]], there.uv[[worst]])[0]

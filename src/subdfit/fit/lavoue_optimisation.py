@@ -13,8 +13,10 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import spsolve
 
+from subdfit.closest.projection import Projector
 from subdfit.curves.squared_distance import tangential_weights
 from subdfit.errors import InputError
+from subdfit.limit.surface import LimitSurface
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.mesh.topology import Topology
 from subdfit.schemes import Scheme, scheme_named
@@ -69,6 +71,7 @@ def optimise(
     fixed: NDArray[np.bool_] | None = None,
     signed: bool = False,
     enough: float = 0.0,
+    data: bool = False,
 ) -> Optimised:
     """Move control points until the samples of the surface lie on the target.
 
@@ -83,6 +86,8 @@ def optimise(
     fixed : (n,) bool, control points that stay, such as those of a boundary; default none.
     signed : use signed radii of curvature (see `tangential_weights`).
     enough : mean distance at which to stop.
+    data : also draw the surface to the target's points, which samples that lie on a part of the target do not; the
+        errors are those of the samples still, but the last round's mesh is returned.
 
     Raises
     ------
@@ -102,7 +107,7 @@ def optimise(
         nearest = target.tree.closest(samples)
         squares = nearest.distance**2
         mean = float(nearest.distance.mean())
-        if k == 0 or mean < min(errors)[0]:
+        if k == 0 or data or mean < min(errors)[0]:
             best = points
         errors.append((mean, float(np.sqrt(squares.mean())), float(nearest.distance.max())))
         if k == rounds or mean <= enough or not free.any():
@@ -111,7 +116,12 @@ def optimise(
         M = np.tile(np.eye(3), (len(foot), 1, 1))
         if metric == "squared-distance":
             M = distance_metric(field, nearest.triangle, nearest.uv, samples - foot, signed=signed)
-        points = _least(C, M, foot, points, free)
+        rows = C
+        if data:
+            pulling, own, tangent = _pull(mesh.with_points(points), target)
+            rows, foot = sp.csr_array(sp.vstack([C, pulling])), np.concatenate([foot, own])
+            M = np.concatenate([M, tangent * (len(samples) / len(own))])
+        points = _least(rows, M, foot, points, free)
     return Optimised(mesh.with_points(best), *np.array(errors).T)
 
 
@@ -137,6 +147,19 @@ def distance_metric(
     oblique = np.abs(height) < 0.5 * np.linalg.norm(offset, axis=1)
     metric[oblique] = np.eye(3)
     return np.asarray(metric)
+
+
+def _pull(mesh: ControlMesh, target: Target) -> tuple[sp.csr_array, Floats, Floats]:
+    """Rows of the surface's points nearest to the target's, these, and quadratic forms (k, 3, 3) of their distance.
+
+    Along the target's normal alone, unless the surface ends before it comes near.
+    """
+    surface, data, normal = LimitSurface(mesh), target.points[target.used], target.normals[target.used]
+    met = Projector(surface).nearest(data)
+    height = np.sum((surface.evaluate(met.face, met.uv).position - data) * normal, axis=1)
+    forms = normal[:, :, None] * normal[:, None, :]
+    forms[np.abs(height) < 0.5 * met.distance] = np.eye(3)
+    return surface.weights(met.face, met.uv), data, forms
 
 
 def _least(C: sp.csr_array, M: Floats, foot: Floats, points: Floats, free: NDArray[np.bool_]) -> Floats:

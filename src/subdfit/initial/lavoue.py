@@ -70,9 +70,9 @@ def boundary_start(
     surface = ScoredSurface(points, triangles, curvature_field(points, triangles, radius), paths)
     anchors = np.concatenate([_anchors(points, loop.vertices, p) for loop, p in zip(loops, polygons, strict=True)])
     loop_of = np.repeat(np.arange(len(polygons)), [len(p.points) for p in polygons])
-    contour = topologic_contour(surface, anchors, loop_of)
-    limits = np.concatenate([p.limits for p in polygons])[contour.controls]
-    cutting = Cutting(contour, limits, most_corners)
+    controls, limits = (np.concatenate([getattr(p, what) for p in polygons]) for what in ("points", "limits"))
+    contour = topologic_contour(surface, anchors, loop_of, controls)
+    cutting = Cutting(contour, controls[contour.controls], limits[contour.controls], most_corners)
     rings = cutting.faces()
     if cutting.stuck:
         raise InputError("the boundary has too few control points for its holes; ask for a smaller tolerance")
@@ -83,7 +83,7 @@ def boundary_start(
         len(anchors),
         corner_vertices=np.flatnonzero(np.concatenate([p.corners for p in polygons])),
     )
-    return ControlMesh(topology, np.concatenate([p.points for p in polygons]), "quad-triangle")
+    return ControlMesh(topology, controls, "quad-triangle")
 
 
 def _anchors(points: Floats, loop: NDArray[np.int64], polygon: BoundaryPolygon) -> NDArray[np.int64]:

@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.errors import InputError
+from subdfit.initial.lavoue_crossing import Edges
 from subdfit.initial.lavoue_scores import ScoredSurface
+from subdfit.limit.curvature import unit
 from subdfit.target.curvature import CurvatureField
 from subdfit.target.curves import boundary_loops
 from subdfit.target.features import mesh_edges
@@ -48,6 +50,7 @@ def topologic_contour(
     surface: ScoredSurface,
     anchors: Indices,
     loop_of: Indices,
+    points: Floats | None = None,
     names: Indices | None = None,
     taken: Set[frozenset[int]] = frozenset(),
 ) -> Contour:
@@ -57,7 +60,8 @@ def topologic_contour(
     ----------
     surface : a connected mesh with at least one boundary, without handles.
     anchors : (c,) int64, the boundary vertex at which each control point's limit lies; all different.
-    loop_of : (c,) int64, the boundary to which each control point belongs.
+    loop_of : (c,) int64, the boundary to which each control point belongs; those of one follow each other round it.
+    points : (c, 3) float64, the control points; default where they are anchored.
     names : (c,) int64, what the control points are called; one that lies on both sides of a cut occurs twice.
     taken : pairs of names that no edge may join any more.
 
@@ -70,28 +74,41 @@ def topologic_contour(
     if not loops:
         raise InputError("the surface is closed; segment it into open patches first")
     _require_disk_with_holes(surface, len(loops))
+    surface = passable(surface)
     origin = np.arange(len(surface.points))
     names = np.arange(len(anchors)) if names is None else names
     taken = set(taken)
+    points = surface.points[anchors] if points is None else points
+    whole, edges = surface, _polygon_sides(surface, anchors, loop_of, points)
     joined, links = np.arange(int(loop_of.max()) + 1), []
-    for a, b in _candidates(surface, anchors, loop_of):
+    pairs = _candidates(surface, anchors, loop_of)
+    # A link that crosses an edge is better than none.
+    for (a, b), crossing in [*((pair, False) for pair in pairs), *((pair, True) for pair in pairs)]:
         link = frozenset((int(names[a]), int(names[b])))
         if joined[loop_of[a]] == joined[loop_of[b]] or len(link) < 2 or link in taken:
             continue
-        path = _shortest(surface, np.flatnonzero(origin == anchors[a]), np.flatnonzero(origin == anchors[b]))
-        if len(path) == 0:
+        geodesic = whole.find([(int(anchors[a]), int(anchors[b]))], "geodesic")[0]
+        edge = Edges(np.array([[a, b]]), points[[[a, b]]], whole.mean_normals([geodesic]))
+        if not crossing and edges.crossed_by(edge):
             continue
+        begin, end = (np.flatnonzero(origin == anchors[k]) for k in (a, b))
+        path = surface.edge_path(begin, end, geodesic)
+        if len(path) < 2:
+            continue
+        edges = edges.joined(edge)
         surface, came_from = cut(surface, path)
-        origin = origin[came_from]
+        surface, fresh = passable(surface), origin[came_from]
+        origin = np.full(len(surface.points), -1)
+        origin[: len(fresh)] = fresh
         joined[joined == joined[loop_of[b]]] = joined[loop_of[a]]
         taken.add(link)
         links.append((int(names[a]), int(names[b])))
     if len(np.unique(joined)) > 1:
         raise InputError("a boundary cannot be linked to the others: its triangles are too few; refine the mesh")
     rim = boundary_loops(surface.triangles)[0].vertices
-    control = np.full(len(origin), -1)
+    control = np.full(origin.max() + 1, -1)
     control[anchors] = names
-    marked = rim[control[origin[rim]] >= 0]
+    marked = rim[(origin[rim] >= 0) & (control[origin[rim]] >= 0)]
     return Contour(surface, marked, control[origin[marked]], np.array(links, np.int64).reshape(-1, 2))
 
 
@@ -102,6 +119,13 @@ def _require_disk_with_holes(surface: ScoredSurface, loops: int) -> None:
         raise InputError(
             "the surface has handles or several components; segment it into patches that are disks with holes"
         )
+
+
+def _polygon_sides(surface: ScoredSurface, anchors: Indices, loop_of: Indices, points: Floats) -> Edges:
+    """The control edges along the boundaries."""
+    around = [np.flatnonzero(loop_of == loop) for loop in np.unique(loop_of)]
+    ends = np.concatenate([np.stack([rows, np.roll(rows, -1)], axis=1) for rows in around])
+    return Edges(ends, points[ends], unit(surface.field.normals[anchors[ends]].sum(axis=1)))
 
 
 def _candidates(surface: ScoredSurface, anchors: Indices, loop_of: Indices) -> list[tuple[int, int]]:
@@ -122,15 +146,6 @@ def _candidates(surface: ScoredSurface, anchors: Indices, loop_of: Indices) -> l
     return [(int(a), int(b)) for a, b in [*best, *pairs[order[_MOST_LINKS:]]]]
 
 
-def _shortest(surface: ScoredSurface, sources: Indices, targets: Indices) -> Indices:
-    """Shortest of the paths along edges between copies of two vertices."""
-    paths = [surface.edge_path(int(a), int(b)) for a in sources for b in targets]
-    found = [path for path in paths if len(path) > 1]
-    if not found:
-        return np.empty(0, np.int64)
-    return min(found, key=lambda path: float(np.linalg.norm(np.diff(surface.points[path], axis=0), axis=1).sum()))
-
-
 def cut(surface: ScoredSurface, path: Indices) -> tuple[ScoredSurface, Indices]:
     """Cut a mesh open along edges: every vertex becomes one for each fan that the cut leaves.
 
@@ -147,3 +162,35 @@ def cut(surface: ScoredSurface, path: Indices) -> tuple[ScoredSurface, Indices]:
     opened, origin = cut_open(surface.triangles, np.stack([path[:-1], path[1:]], axis=1))
     field = CurvatureField(opened, surface.field.tensors[origin], surface.field.normals[origin])
     return replace(surface, points=surface.points[origin], triangles=opened, field=field), origin
+
+
+def passable(surface: ScoredSurface) -> ScoredSurface:
+    """The same surface, edges inside between two vertices of its boundary cut in two, so that paths pass between."""
+    edges = mesh_edges(surface.points, surface.triangles)
+    barring = (edges.valence == 2) & surface.boundary[edges.vertices].all(axis=1)
+    ends, count = edges.vertices[barring], len(surface.points)
+    middle = np.full(len(barring), -1)
+    middle[barring] = count + np.arange(len(ends))
+    triangles = _divided(np.asarray(surface.triangles, np.int64), middle[edges.of_face])
+    tensors, normals = (
+        np.concatenate([values, values[ends].mean(axis=1)]) for values in (surface.field.tensors, surface.field.normals)
+    )
+    field = CurvatureField(triangles, tensors, unit(normals))
+    points = np.concatenate([surface.points, surface.points[ends].mean(axis=1)])
+    return replace(surface, points=points, triangles=triangles, field=field)
+
+
+def _divided(triangles: Indices, middle: Indices) -> Indices:
+    """Triangles cut at the middles of their sides, (m, 3), -1 for sides that stay whole."""
+    some = np.any(middle >= 0, axis=1)
+    parts = []
+    for corners, on in zip(triangles[some].tolist(), middle[some].tolist(), strict=True):
+        ring = [v for pair in zip(corners, on, strict=True) for v in pair if v >= 0]
+        while len(ring) > 3:
+            # The corner with most middles beside it goes; a middle would leave a triangle without area.
+            beside = [(ring[k - 1] in on) + (ring[(k + 1) % len(ring)] in on) for k in range(len(ring))]
+            ear = max((k for k in range(len(ring)) if ring[k] in corners), key=beside.__getitem__)
+            parts.append([ring[ear - 1], ring[ear], ring[(ear + 1) % len(ring)]])
+            del ring[ear]
+        parts.append(ring)
+    return np.concatenate([triangles[~some], np.array(parts, np.int64).reshape(-1, 3)])

@@ -8,12 +8,15 @@ from numpy.typing import NDArray
 
 from subdfit.initial.lavoue_contour import Contour
 from subdfit.initial.lavoue_convex import convex_parts, is_convex
+from subdfit.initial.lavoue_facing import Facing
 
 Floats = NDArray[np.float64]
 Ring = list[int]
 
 _THIN = 0.15
 """Height of what a chord cuts off, as a share of the chord, from which it is more than a sliver along a curve."""
+_LOST = 0.1
+"""Share of the area over the surface that all chords together may cost for the sake of their scores."""
 _LOOKED_AT = 24
 """Chords of a contour, the best by Dijkstra's paths, whose geodesics are looked at."""
 
@@ -25,13 +28,14 @@ class Cutting:
     Attributes
     ----------
     contour : the contour.
-    limits : (k, 3) float64, the limit points at its places.
+    points, limits : (k, 3) float64, the control points at its places and their limits.
     most_corners : of a face.
     taken : pairs of control points that no chord may join any more.
     stuck : rings that no chord cuts and that are no faces.
     """
 
     contour: Contour
+    points: Floats
     limits: Floats
     most_corners: int = 4
     taken: Set[frozenset[int]] = frozenset()
@@ -39,6 +43,8 @@ class Cutting:
     _rough: dict[tuple[int, int], tuple[float, float]] = field(default_factory=dict)
     _fine: dict[tuple[int, int], tuple[float, float]] = field(default_factory=dict)
     _edges: set[frozenset[int]] = field(default_factory=set)
+    _facing: Facing | None = None
+    _spare: float = 0.0
 
     def faces(self) -> list[Ring]:
         """Cut until every ring is a face: a triangle, a convex quad, or a plane ring cut into convex parts.
@@ -70,30 +76,48 @@ class Cutting:
             return False
         if len(ring) == 3:
             return True
-        return len(ring) <= self.most_corners and is_convex(self.limits[ring])
+        convex = len(ring) <= self.most_corners and is_convex(self.limits[ring])
+        return convex and (self._facing is None or self._facing.fits(ring))
 
     def _score_all(self) -> None:
         """Scores of all chords along edges of the mesh; those across faces are found when they are needed."""
-        count = len(self.contour.vertices)
-        pairs = [(i, j) for i in range(count) for j in range(i + 1, count) if self._possible(i, j)]
-        if not pairs:
-            return
+        count, surface = len(self.contour.vertices), self.contour.surface
+        pairs = [(i, j) for i in range(count) for j in range(i + 1, count)]
         ends = [(int(self.contour.vertices[i]), int(self.contour.vertices[j])) for i, j in pairs]
-        surface = self.contour.surface
-        score, length = surface.scores(surface.find(ends, "dijkstra"))
-        self._rough = dict(zip(pairs, zip(score.tolist(), length.tolist(), strict=True), strict=True))
+        paths = surface.find(ends, "dijkstra")
+        score, length = surface.scores(paths)
+        self._rough = dict(zip(pairs, zip(_rounded(score), length.tolist(), strict=True), strict=True))
+        normals, possible = np.zeros((count, count, 3)), np.zeros((count, count), np.bool_)
+        rows, columns = np.array(pairs).T
+        normals[rows, columns] = normals[columns, rows] = surface.mean_normals(paths)
+        possible[rows, columns] = possible[columns, rows] = [self._possible(i, j) for i, j in pairs]
+        self._facing = Facing.of(self.points, normals, possible, surface.area)
+        self._spare = _LOST * surface.area
 
     def _possible(self, i: int, j: int) -> bool:
         a, b = (int(self.contour.controls[k]) for k in (i, j))
         return a != b and frozenset((a, b)) not in self._edges
 
     def _best_chord(self, ring: Ring) -> tuple[int, int] | None:
-        """Places within a ring between which to cut: least score, then shortest; None where there are none."""
+        """Places within a ring between which to cut; None where there are none.
+
+        Of the chords that leave no area facing away that could face the right way, and that lose little of the area
+        over the surface, the best scored.
+        """
         n = len(ring)
         chords = [(i, j) for i in range(n) for j in range(i + 2, n - (i == 0)) if self._possible(ring[i], ring[j])]
         chords = [chord for chord in chords if self._leaves_faces(ring, *chord)]
         if not chords:
             return None
+        if self._facing is None:
+            return self._best_scored(ring, chords)
+        costs = dict(zip(chords, self._facing.costs(ring, chords).tolist(), strict=True))
+        best = self._best_scored(ring, [chord for chord in chords if costs[chord] <= self._spare])
+        self._spare -= costs[best]
+        return best
+
+    def _best_scored(self, ring: Ring, chords: list[tuple[int, int]]) -> tuple[int, int]:
+        """Of chords the one of least score, then the shortest, that cuts off no sliver if there is such a one."""
         height = _heights(self.limits[ring])
         chords = [chord for chord in chords if min(height[chord], height[chord[::-1]]) > _THIN] or chords
         key = {chord: (min(ring[chord[0]], ring[chord[1]]), max(ring[chord[0]], ring[chord[1]])) for chord in chords}
@@ -118,8 +142,11 @@ class Cutting:
         surface = self.contour.surface
         ends = [(int(self.contour.vertices[i]), int(self.contour.vertices[j])) for i, j in fresh]
         score, length = surface.scores(surface.find(ends))
-        rounded = np.round(score, 6).tolist()
-        self._fine.update(zip(fresh, zip(rounded, length.tolist(), strict=True), strict=True))
+        self._fine.update(zip(fresh, zip(_rounded(score), length.tolist(), strict=True), strict=True))
+
+
+def _rounded(score: Floats) -> list[float]:
+    return list(np.round(score, 6))
 
 
 def _heights(points: Floats) -> Floats:

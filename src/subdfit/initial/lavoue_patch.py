@@ -41,6 +41,7 @@ def patch_faces(
     loops: Sequence[Loop],
     chains: Sequence[Indices],
     places: Sequence[Floats],
+    points: Floats,
     limits: Floats,
     taken: Set[frozenset[int]],
     most_corners: int = 4,
@@ -52,7 +53,7 @@ def patch_faces(
     surface : the patch, a disk with holes.
     loops : its boundaries.
     chains, places : control points of each arc, and where they lie along it (see `ControlNetwork`).
-    limits : (n, 3) float64, of all control points.
+    points, limits : (n, 3) float64, all control points and their limits.
     taken : pairs of control points that are joined already.
     most_corners : of a face.
 
@@ -66,13 +67,13 @@ def patch_faces(
             names, anchors = zip(*(_anchored(loop, chains, places) for loop in loops), strict=True)
             loop_of = np.repeat(np.arange(len(loops)), [len(n) for n in names])
             rows = np.concatenate(names)
-            contour = topologic_contour(surface, np.concatenate(anchors), loop_of, rows, taken)
+            contour = topologic_contour(surface, np.concatenate(anchors), loop_of, points[rows], rows, taken)
             break
         except InputError:
             if k == _MOST_REFINEMENTS:
                 raise
             surface, loops = refined(surface, loops)
-    cutting = Cutting(contour, limits[contour.controls], most_corners, taken)
+    cutting = Cutting(contour, points[contour.controls], limits[contour.controls], most_corners, taken)
     rings = cutting.faces()
     named = [[contour.controls[ring].tolist() for ring in group] for group in (rings, cutting.stuck)]
     if any(len(set(ring)) < len(ring) for ring in named[1]):

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
+from subdfit.limit.curvature import unit
 from subdfit.target.bvh import SegmentTree, TriangleTree
 from subdfit.target.curvature import CurvatureField
 from subdfit.target.curves import boundary_edges
@@ -24,6 +25,8 @@ _SAMPLES = 16
 """Places at which a path is compared with the lines of curvature, between its ends."""
 _TOUCHING = 1e-6
 """Distance from the boundary, as a share of the diagonal, at which a path runs along it."""
+_BESIDE = 20.0
+"""An edge as far from a path as this path is long counts so many times as long, beside its own length."""
 _FLAT = 0.3
 """Curvature times diagonal below which a difference of principal curvatures says nothing."""
 
@@ -52,6 +55,12 @@ class ScoredSurface:
         return float(np.linalg.norm(np.ptp(self.points, axis=0)))
 
     @cached_property
+    def area(self) -> float:
+        """Of all triangles."""
+        a, b, c = np.moveaxis(self.points[self.triangles], 1, 0)
+        return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
+
+    @cached_property
     def boundary(self) -> NDArray[np.bool_]:
         """Vertices of the boundary, (n,)."""
         flags = np.zeros(len(self.points), np.bool_)
@@ -76,16 +85,29 @@ class ScoredSurface:
         shape = (len(self.points), len(self.points))
         return csr_array((np.tile(np.maximum(length, 1e-300), 2), (both[:, 0], both[:, 1])), shape=shape)
 
-    def edge_path(self, source: int, target: int) -> NDArray[np.int64]:
-        """Vertices of the shortest path along edges that meets no boundary between its ends; empty if there is none."""
+    def edge_path(
+        self, sources: int | NDArray[np.int64], targets: int | NDArray[np.int64], beside: Floats | None = None
+    ) -> NDArray[np.int64]:
+        """Vertices of the shortest path along edges from one of some vertices to one of others.
+
+        It meets no boundary between its ends; empty if there is none. Edges count as longer the farther they lie from
+        the path `beside`, points (k, 3), so that both go round the same holes.
+        """
+        sources, targets = np.atleast_1d(sources), np.atleast_1d(targets)
         allowed = ~self.boundary
-        allowed[[source, target]] = True
+        allowed[sources] = allowed[targets] = True
         rows = np.repeat(np.arange(len(self.points)), np.diff(self.graph.indptr))
         kept = allowed[rows] & allowed[self.graph.indices]
-        shape = self.graph.shape
-        graph = csr_array((self.graph.data[kept], (rows[kept], self.graph.indices[kept])), shape=shape)
-        length, before = dijkstra(graph, indices=[source], return_predecessors=True)
-        return _trace(before[0], target) if np.isfinite(length[0, target]) else np.empty(0, np.int64)
+        rows, columns, length = rows[kept], self.graph.indices[kept], self.graph.data[kept]
+        if beside is not None:
+            off = SegmentTree(beside, np.stack([np.arange(len(beside) - 1), np.arange(1, len(beside))], axis=1))
+            span = np.linalg.norm(np.diff(beside, axis=0), axis=1).sum()
+            middles = (self.points[rows] + self.points[columns]) / 2
+            length = length * (1.0 + _BESIDE * off.closest(middles).distance / span)
+        graph = csr_array((length, (rows, columns)), shape=self.graph.shape)
+        total, before, _ = dijkstra(graph, indices=sources, return_predecessors=True, min_only=True)
+        target = int(targets[np.argmin(total[targets])])
+        return _trace(before, target) if np.isfinite(total[target]) else np.empty(0, np.int64)
 
     def find(self, pairs: Sequence[tuple[int, int]], paths: Paths | None = None) -> list[Floats]:
         """Shortest paths between pairs of vertices, as points (k, 3)."""
@@ -138,6 +160,12 @@ class ScoredSurface:
             sums.append(np.bincount(owner, angle, len(paths)) / count)
         length = np.array([np.linalg.norm(np.diff(path, axis=0), axis=1).sum() for path in paths])
         return np.minimum(*sums), length
+
+    def mean_normals(self, paths: Sequence[Floats]) -> Floats:
+        """Unit normals of the surface along paths, averaged at even distances, (k, 3)."""
+        nearest = self._tree.closest(np.concatenate([_between(path) for path in paths]))
+        found = self.field.at(nearest.triangle, nearest.uv).normal
+        return unit(found.reshape(len(paths), _SAMPLES, 3).sum(axis=1))
 
 
 def _trace(before: NDArray[np.int32], target: int) -> NDArray[np.int64]:

@@ -69,7 +69,7 @@ def join_patches(
     faces: list[Ring] = []
     for number, patch in enumerate(network.patches):
         try:
-            found = patch_faces(_surface(points, patch), patch.loops, chains, places, limits, taken)
+            found = patch_faces(_surface(points, patch), patch.loops, chains, places, controls, limits, taken)
         except InputError as error:
             raise PatchError(number, str(error)) from error
         rings = list(found.faces)
