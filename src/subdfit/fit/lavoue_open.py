@@ -24,6 +24,8 @@ Floats = NDArray[np.float64]
 
 _SEGMENTS, _FINE = 6, 16
 """Segments a side into which the surface is cut for its error field, and for its errors."""
+_VAIN = 12
+"""Enrichments in a row that bring nothing before giving up: of a surface that folds, more only crumple it."""
 
 
 @dataclass(frozen=True)
@@ -71,16 +73,22 @@ def fit_open(
         tolerance = 5e-3 * float(np.ptp(target.points[target.used], axis=0).max())
     mesh, history = start, []
     best: OpenFit | None = None
+    vain = 0
     while True:
         held = np.zeros(len(mesh.points), np.bool_)
         held[mesh.topology.edge_vertices[mesh.topology.boundary_edges]] = True
-        mesh = optimise(mesh, target, field, rounds=rounds, fixed=held, data=True).mesh
-        mean, away = _errors(mesh, target)
+        # Near enough is not enough where sheets have fallen together: then all rounds are run.
+        for enough in (tolerance, 0.0):
+            mesh = optimise(mesh, target, field, rounds=rounds, fixed=held, enough=enough, data=True).mesh
+            mean, away = _errors(mesh, target)
+            if mean > tolerance or away <= MOST_AWAY:
+                break
         history.append((len(mesh.points), mean))
         found = OpenFit(mesh, mean, away, mean <= tolerance and away <= MOST_AWAY, history)
         if best is None or (not found.within, found.mean) < (not best.within, best.mean):
-            best = found
-        if found.within or len(mesh.points) >= most_vertices:
+            best, vain = found, 0
+        vain += 1
+        if found.within or vain > _VAIN or len(mesh.points) >= most_vertices:
             return best
         mesh = enriched(mesh, target)
 

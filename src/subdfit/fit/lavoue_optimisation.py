@@ -6,7 +6,7 @@ target's curvature, and minimises the sum: linear least squares in the control p
 """
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -87,7 +87,7 @@ def optimise(
     signed : use signed radii of curvature (see `tangential_weights`).
     enough : mean distance at which to stop.
     data : also draw the surface to the target's points, which samples that lie on a part of the target do not; the
-        errors are those of the samples still, but the last round's mesh is returned.
+        mean distance is then that of samples or of these points, whichever is larger.
 
     Raises
     ------
@@ -107,7 +107,10 @@ def optimise(
         nearest = target.tree.closest(samples)
         squares = nearest.distance**2
         mean = float(nearest.distance.mean())
-        if k == 0 or data or mean < min(errors)[0]:
+        if data:
+            pull = _pull(mesh.with_points(points), target)
+            mean = max(mean, float(pull.distance.mean()))
+        if k == 0 or mean < min(errors)[0]:
             best = points
         errors.append((mean, float(np.sqrt(squares.mean())), float(nearest.distance.max())))
         if k == rounds or mean <= enough or not free.any():
@@ -118,9 +121,8 @@ def optimise(
             M = distance_metric(field, nearest.triangle, nearest.uv, samples - foot, signed=signed)
         rows = C
         if data:
-            pulling, own, tangent = _pull(mesh.with_points(points), target)
-            rows, foot = sp.csr_array(sp.vstack([C, pulling])), np.concatenate([foot, own])
-            M = np.concatenate([M, tangent * (len(samples) / len(own))])
+            rows, foot = sp.csr_array(sp.vstack([C, pull.rows])), np.concatenate([foot, pull.data])
+            M = np.concatenate([M, pull.forms * (len(samples) / len(pull.data))])
         points = _least(rows, M, foot, points, free)
     return Optimised(mesh.with_points(best), *np.array(errors).T)
 
@@ -149,17 +151,23 @@ def distance_metric(
     return np.asarray(metric)
 
 
-def _pull(mesh: ControlMesh, target: Target) -> tuple[sp.csr_array, Floats, Floats]:
-    """Rows of the surface's points nearest to the target's, these, and quadratic forms (k, 3, 3) of their distance.
+class _Pull(NamedTuple):
+    """Rows (d, n) of the surface's points nearest to the target's `data`, their distances, and the squares' forms."""
 
-    Along the target's normal alone, unless the surface ends before it comes near.
-    """
+    rows: sp.csr_array
+    data: Floats
+    distance: Floats
+    forms: Floats
+
+
+def _pull(mesh: ControlMesh, target: Target) -> _Pull:
+    """What draws a surface to the target's points: along their normals, all ways where it ends before it comes near."""
     surface, data, normal = LimitSurface(mesh), target.points[target.used], target.normals[target.used]
     met = Projector(surface).nearest(data)
     height = np.sum((surface.evaluate(met.face, met.uv).position - data) * normal, axis=1)
     forms = normal[:, :, None] * normal[:, None, :]
     forms[np.abs(height) < 0.5 * met.distance] = np.eye(3)
-    return surface.weights(met.face, met.uv), data, forms
+    return _Pull(surface.weights(met.face, met.uv), data, met.distance, forms)
 
 
 def _least(C: sp.csr_array, M: Floats, foot: Floats, points: Floats, free: NDArray[np.bool_]) -> Floats:
