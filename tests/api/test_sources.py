@@ -7,8 +7,11 @@ import pytest
 import trimesh
 
 import subdfit
+from shapes.plates import bent_plate
 from subdfit.api.sources import source_of
+from subdfit.api.targets import Preparation, prepare
 from subdfit.errors import InputError
+from subdfit.mesh.data import MeshData
 
 
 def pyvista_like(points, faces):
@@ -77,3 +80,14 @@ def test_what_is_no_mesh_is_refused_in_a_line(given, says):
     with pytest.raises(InputError, match=says) as caught:
         source_of(given)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(("creases", "corners"), [("auto", 4), (30.0, 4), ("none", 0)])
+def test_a_sheet_has_its_corners_whether_or_not_its_creases_are_tagged(creases, corners):
+    points, triangles = bent_plate()
+    inner = triangles[len(triangles) // 2, :2]
+    data = MeshData(points, 3 * np.arange(len(triangles) + 1), triangles.ravel(), inner[None], np.array([10.0]))
+    for given in (data, (points, triangles)):
+        assert len(prepare(given, Preparation(creases=creases)).target.corners) == corners
+    tagged = prepare(data, Preparation()).target
+    assert sorted(tagged.crease_edges.ravel().tolist()) == sorted(inner.tolist())

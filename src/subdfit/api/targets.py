@@ -20,6 +20,7 @@ from subdfit.initial.holes import fill_holes
 from subdfit.initial.reconstruct import Reconstructed, reconstruct
 from subdfit.mesh.data import MeshData
 from subdfit.mesh.repair import mend
+from subdfit.target.curves import boundary_corners
 from subdfit.target.target import Creases, Target, cloud_target, mesh_target, point_target
 from subdfit.wording import counted
 
@@ -149,7 +150,9 @@ def _mesh(data: MeshData, how: Preparation, name: str) -> Target:
     points, triangles = _closed(points, triangles, how, name)
     tagged = _tagged_creases(data, rows) if how.creases == "auto" else np.empty((0, 2), np.int64)
     target = mesh_target(points, triangles, creases="none" if len(tagged) else how.creases)
-    return replace(target, crease_edges=tagged) if len(tagged) else target
+    if not len(tagged):
+        return target
+    return replace(target, crease_edges=tagged, corners=boundary_corners(target.points, target.boundary_edges))
 
 
 def _closed(

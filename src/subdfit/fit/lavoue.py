@@ -15,12 +15,11 @@ from subdfit.fit.auto import Auto
 from subdfit.fit.faults import Faults
 from subdfit.fit.lavoue_whole import cut_part, whole_start
 from subdfit.fit.places import Places
-from subdfit.fit.reverse import Samples, even_samples, reverse_badness, sparse_samples, strays
+from subdfit.fit.reverse import Samples, even_strays, reverse_badness, sparse_samples, strays
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import badness, within
 from subdfit.fit.thinning_hold import Hold
-from subdfit.measure import reverse_segments
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.target.features import along_edges
 from subdfit.target.target import Target
@@ -73,13 +72,12 @@ class Lavoue(Auto):
 
         Where a largest error is asked that does not hold yet, without the peaks between them, which would pull hardest.
         """
-        surface, target, tolerance = state.surface, state.data.target, self.settings.tolerance
+        tolerance = self.settings.tolerance
         held = within(state, tolerance)
         least = max(self._descent.bound / 2, 0.0 if held else FOLD * state.errors.rms)
         if held or tolerance.max is None:
-            return sparse_samples(state).joined(strays(surface, target, least))
-        even = even_samples(surface, target, reverse_segments(surface.domain), bound=least)
-        return sparse_samples(state).joined(even)
+            return sparse_samples(state).joined(strays(state.surface, state.data.target, least))
+        return sparse_samples(state).joined(even_strays(state, least))
 
     def _moved_everywhere(self, state: FitState, final: bool) -> FitState:
         """By all points: few of them would leave large faces free to swing between."""

@@ -153,6 +153,15 @@ def even_samples(
     return Samples.of(surface, target, grid.face, grid.uv, bound)
 
 
+def even_strays(state: FitState, bound: float) -> Samples:
+    """Those of a state's even samples, as dense as the certificate's, that stray by more than a bound.
+
+    Peaks between them are left out: they would pull the hardest.
+    """
+    surface = state.surface
+    return even_samples(surface, state.data.target, reverse_segments(surface.domain), bound=bound)
+
+
 def reverse_badness(state: FitState, tolerance: Tolerance) -> float:
     """Largest ratio of rms and mean of the reverse side to what is asked; 0 where neither is."""
     distance = state.data.target.tree.closest(surface_samples(state.surface).position).distance

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from subdfit.fit.changes import changed_cells
 from subdfit.fit.faults import large_enough
 from subdfit.fit.places import Places
-from subdfit.fit.reverse import DRAWN, Samples, even_samples, strays
+from subdfit.fit.reverse import DRAWN, Samples, even_strays, strays
 from subdfit.fit.state import FitState
 from subdfit.limit.surface import LimitSurface
 from subdfit.measure import reverse_segments
@@ -64,10 +64,7 @@ class Strays:
 
         While much is still too far off peaks would pull the hardest, and at tangled sheets to the wrong one.
         """
-        surface = state.surface
-        if self.bound is None:
-            return Samples.none()
-        return even_samples(surface, state.data.target, reverse_segments(surface.domain), bound=DRAWN * self.bound)
+        return Samples.none() if self.bound is None else even_strays(state, DRAWN * self.bound)
 
     def _found(self, state: FitState) -> Samples:
         surface, bound = state.surface, self.bound or np.inf

@@ -12,6 +12,7 @@ from subdfit.fit.reverse import (
     DRAWN,
     Samples,
     even_samples,
+    even_strays,
     reverse_badness,
     sparse_curve_samples,
     sparse_samples,
@@ -123,10 +124,9 @@ class Hold:
 
     def _strays(self, state: FitState) -> Samples:
         """What strays by half the bound and more, peaks between samples only where a largest error is asked."""
-        surface, target = state.surface, state.data.target
-        if self.tolerance.max is not None:
-            return strays(surface, target, self.bound, share=DRAWN)
-        return even_samples(surface, target, reverse_segments(surface.domain), bound=DRAWN * self.bound)
+        if self.tolerance.max is None:
+            return even_strays(state, DRAWN * self.bound)
+        return strays(state.surface, state.data.target, self.bound, share=DRAWN)
 
     def assured(self, kept: Kept) -> Kept:
         """The same fit, no point of which counts as too far off because its footpoint was missed."""

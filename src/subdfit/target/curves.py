@@ -69,7 +69,7 @@ def boundary_corners(points: NDArray[np.float64], edges: NDArray[np.integer]) ->
     for neighbour in (after, before):
         at = corners
         for _ in range(_STRAIGHT):
-            at = np.where(at >= 0, neighbour[at], -1)
+            at = neighbour[at]
             kept = _CONTRAST * turn[at] <= turn[corners]
             corners, at = corners[kept], at[kept]
     graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(count, count))

@@ -15,7 +15,8 @@ CHUNK = 16384
 TIP = 0.7
 """A vertex whose normal leans against a side by more than this sine is a tip: no smooth surface is known there."""
 ALIKE = 8.0
-"""A smooth surface bends alike at both ends of a side: more than so many times the other's is none."""
+"""A smooth surface bends alike at both ends of a side: of the bend at one, so many times that at the other counts at
+most. Noise bends them unlike as well, so that this is not to be small."""
 
 
 def rises(points: Floats, triangles: NDArray[np.integer], crease_edges: NDArray[np.integer]) -> Floats:
@@ -27,7 +28,8 @@ def rises(points: Floats, triangles: NDArray[np.integer], crease_edges: NDArray[
     the middle of side ij. Both triangles beside a side have the same; beside a crease, the longer of theirs.
 
     A mesh says this of smooth surfaces alone. At the tip of a cone the averaged normal is the axis, and such a triangle
-    bulges by a tenth of its length where the surface is straight: there `w_ij` is 0 or that of the side's other end.
+    bulges by a tenth of its length where the surface is straight. So `w_ij` is 0 at a tip, and at
+    most `ALIKE` times that of the side's other end, which is 0 where the side is straight there.
 
     Parameters
     ----------
