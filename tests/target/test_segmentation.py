@@ -14,7 +14,7 @@ from subdfit.target.segmentation_clusters import cluster, grow
 from subdfit.target.segmentation_facets import Facets
 from subdfit.target.segmentation_merging import Adjacency, absorb, merge_regions, renumbered
 from subdfit.target.segmentation_rectification import border_costs, rectify
-from subdfit.target.segmentation_slivers import without_needles
+from subdfit.target.segmentation_slivers import without_slivers
 from subdfit.target.segmentation_tips import across_necks
 from subdfit.target.target import mesh_target, point_target
 
@@ -208,6 +208,24 @@ def test_every_bore_of_casting_is_a_region(meshes):
     assert len(round_about) == 9
 
 
+def test_the_top_of_casting_and_its_round_end_are_faces(meshes):
+    """The cover's top is a plane across y, which ends at its largest x and goes on as a cylinder along z."""
+    mesh, labels = machined(meshes / "casting.ply")
+    facing = [plane for plane in planes(mesh, 0.03) if mesh.face_normals[plane[0], 1] < -0.99]
+    top = min(facing, key=len)
+    corners = mesh.vertices[mesh.faces[top]].reshape(-1, 3)
+    end = corners[:, 0].max()
+    last = corners[corners[:, 0] > end - 1e-4, 2]
+    x, _, z = mesh.triangles_center.T
+    across, along = -mesh.face_normals[:, :2].T
+    lengthwise = (np.abs(mesh.face_normals[:, 2]) < 0.02) & (across > 0.3) & (along > 0.05)
+    bend = np.flatnonzero(lengthwise & (x > end) & (z > last.min()) & (z < last.max()))
+    assert len(bend) > 100
+    found = [held(mesh, labels, triangles) for triangles in (top, bend)]
+    assert found[0][0] != found[1][0]
+    assert [part for _, part, _ in found] == pytest.approx([1, 1])
+
+
 def is_bore(mesh, triangles):
     """Whether triangles form a tube of one radius along y, closed round."""
     x, z = mesh.triangles_center[triangles][:, ::2].T
@@ -325,10 +343,36 @@ def test_borders_are_cheapest_along_lines_of_curvature():
 
 def test_needles_are_flipped_away_and_nothing_else_changes():
     mesh = trimesh.creation.icosphere(3)
-    np.testing.assert_array_equal(without_needles(mesh.vertices, mesh.faces), mesh.faces)
+    np.testing.assert_array_equal(without_slivers(mesh.vertices, mesh.faces), mesh.faces)
     points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 1e-4, 0]], float)
     needle = np.array([[0, 1, 4], [4, 1, 2], [4, 2, 3], [4, 3, 0]])
     lower = np.array([[0.5, -1, 0]])
     faces = np.vstack([needle, [[1, 0, 5]]])
-    found = without_needles(np.vstack([points, lower]), faces)
+    found = without_slivers(np.vstack([points, lower]), faces)
     assert {tuple(sorted(f)) for f in found.tolist()} == {(1, 2, 4), (2, 3, 4), (0, 3, 4), (0, 4, 5), (1, 4, 5)}
+
+
+def test_flips_of_needles_fold_nothing():
+    """Two needles in a plane whose quad is hollow: a flip would make both higher, and turn one over."""
+    points = np.array([[0, 0, 0], [1, 0, 0], [0.1, 0.001, 0], [-0.2, -0.001, 0]])
+    faces = np.array([[0, 1, 2], [1, 0, 3]])
+    found = without_slivers(points, faces)
+    a, b, c = np.moveaxis(points[found], 1, 0)
+    assert np.all(np.cross(b - a, c - a)[:, 2] > 0)
+
+
+def test_a_triangle_folded_over_its_neighbours_is_no_face():
+    """A vertex of a plane pushed across the side opposite: a triangle at a sharp edge lies upside down on others."""
+    mesh = trimesh.creation.box().subdivide().subdivide().subdivide()
+    points = np.array(mesh.vertices)
+    off = 0.5 - np.sort(np.abs(points), axis=1)[:, 1]
+    face = np.flatnonzero(np.sort(off[mesh.faces], axis=1) @ [1, 1, 1] == 0.25)[0]
+    vertex = mesh.faces[face][np.argmax(off[mesh.faces[face]])]
+    others = mesh.faces[face][mesh.faces[face] != vertex]
+    points[vertex] += 1.2 * (points[others].mean(axis=0) - points[vertex])
+    moved = trimesh.Trimesh(points, mesh.faces, process=False)
+    assert np.sum(np.einsum("fi,fi->f", moved.face_normals, mesh.face_normals) < -0.99) == 1
+    found = segment_mesh(mesh_target(points, mesh.faces))
+    assert found.count == 6
+    side = np.argmax(np.abs(mesh.face_normals), axis=1) * 2 + (mesh.face_normals.sum(axis=1) > 0)
+    assert agreement(found.labels, side) == 1.0

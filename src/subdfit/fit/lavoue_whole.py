@@ -12,7 +12,7 @@ from subdfit.target.features import automatic_creases, edges_among
 from subdfit.target.network import Cuts, curve_network
 from subdfit.target.segmentation import SegmentationSettings, segment_mesh
 from subdfit.target.segmentation_cutting import halved, part_cuts, without_handles
-from subdfit.target.segmentation_slivers import without_needles
+from subdfit.target.segmentation_slivers import without_slivers
 from subdfit.target.target import Target
 
 Indices = NDArray[np.int64]
@@ -43,7 +43,7 @@ def cut_part(target: Target, settings: SegmentationSettings | None = None) -> Cu
     target : a mesh.
     settings : of the segmentation.
     """
-    triangles = without_needles(target.points, target.triangles)
+    triangles = without_slivers(target.points, target.triangles)
     if np.any(triangles != target.triangles):
         # Needles hide creases; those that the caller chose are kept as they are.
         own = np.array_equal(target.crease_edges, automatic_creases(target.points, target.triangles))

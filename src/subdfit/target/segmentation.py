@@ -18,8 +18,9 @@ from subdfit.target.features import automatic_creases, mesh_edges
 from subdfit.target.segmentation_clusters import cluster, grow
 from subdfit.target.segmentation_facets import Facets, Flags, Labels
 from subdfit.target.segmentation_merging import Adjacency, absorb, merge_regions
+from subdfit.target.segmentation_planes import with_planes
 from subdfit.target.segmentation_rectification import border_costs, rectify
-from subdfit.target.segmentation_slivers import without_needles
+from subdfit.target.segmentation_slivers import FOLDED, without_slivers
 from subdfit.target.segmentation_tips import across_necks
 from subdfit.target.target import Target
 
@@ -97,7 +98,7 @@ def segment_mesh(target: Target, settings: SegmentationSettings | None = None, *
     if not target.is_mesh:
         raise InputError("segmentation needs a mesh; reconstruct one from the points first")
     settings = settings or SegmentationSettings()
-    triangles = without_needles(target.points, target.triangles)
+    triangles = without_slivers(target.points, target.triangles)
     changed = np.any(triangles != target.triangles, axis=1)
     creases = target.crease_edges
     if changed.any() and find_creases:
@@ -124,9 +125,22 @@ def segment_facets(facets: Facets, settings: SegmentationSettings) -> Labels:
         labels = rectify(facets, labels, curvatures, costs)
         labels = facets.connected(~facets.sharp & ~facets.borders(labels))
         labels = merge_regions(facets, labels, curvatures, Adjacency.turn_of_means, settings.step_turn)
+    planes = with_planes(facets, labels)
+    if not np.array_equal(planes, labels):
+        one_sided, _ = facets.curvature(facets.borders(planes))
+        labels = merge_regions(facets, planes, one_sided, Adjacency.turn_at_border, settings.least_turn)
     labels = absorb(facets, labels, Adjacency.thickness, _THIN * facets.radius)
     labels = absorb(facets, labels, Adjacency.area_if_open, ball)
-    return _without_hairs(facets, labels)
+    return _without_hairs(facets, _without_folds(facets, labels))
+
+
+def _without_folds(facets: Facets, labels: Labels) -> Labels:
+    """Regions smaller than a ball that are folded over their neighbours all round go to these."""
+    border = facets.borders(labels)
+    upright = labels[facets.edges.faces[border & (facets.edges.angle <= FOLDED)]]
+    folded = np.bincount(labels, facets.areas) < np.pi * facets.radius**2
+    folded[upright] = False
+    return facets.connected(~border | folded[labels[facets.edges.faces]].any(axis=1))
 
 
 def _without_hairs(facets: Facets, labels: Labels) -> Labels:
@@ -166,7 +180,7 @@ def _on_target(target: Target, facets: Facets, changed: Flags, labels: Labels, f
     nearest = TriangleTree(target.points, facets.triangles).closest(own.centres[changed])
     carried[changed] = labels[nearest.triangle]
     parts = own.connected(~own.borders(carried))
-    carried = _without_hairs(own, parts)
+    carried = _without_hairs(own, _without_folds(own, parts))
     # A side of a needle that was flipped away lies along what it hid.
     along = ~np.isin(ours, theirs) & np.isin(edges.vertices, features).all(axis=1)
     return Regions(carried, edges.vertices[own.sharp | (along & own.borders(carried))])
