@@ -77,11 +77,11 @@ def fit_open(
     while True:
         held = np.zeros(len(mesh.points), np.bool_)
         held[mesh.topology.edge_vertices[mesh.topology.boundary_edges]] = True
-        # Near enough is not enough where sheets have fallen together: then all rounds are run.
+        # Near enough by few samples is not enough, nor where sheets have fallen together: then all rounds are run.
         for enough in (tolerance, 0.0):
-            mesh = optimise(mesh, target, field, rounds=rounds, fixed=held, enough=enough, data=True).mesh
-            mean, away = _errors(mesh, target)
-            if mean > tolerance or away <= MOST_AWAY:
+            step = optimise(mesh, target, field, rounds=rounds, fixed=held, enough=enough, data=True)
+            mesh, (mean, away) = step.mesh, _errors(step.mesh, target)
+            if step.mean.min() > tolerance or (mean <= tolerance and away <= MOST_AWAY):
                 break
         history.append((len(mesh.points), mean))
         found = OpenFit(mesh, mean, away, mean <= tolerance and away <= MOST_AWAY, history)
@@ -116,16 +116,26 @@ def enriched(mesh: ControlMesh, target: Target) -> ControlMesh:
     distance, place = _field(target, samples, grid.triangles)
     field = principal_error_field(distance, mesh_edges(samples, grid.triangles).vertices)
     face = np.repeat(mesh.topology.face[surface.domain.half_edge], np.diff(grid.begin))
-    chosen = np.unique(face[field[grid.triangles].any(axis=1)]).tolist()
+    chosen = concerned(field, grid.triangles, face)
     faces = Faces.of(mesh)
     inner = np.ones(len(mesh.points), np.bool_)
     inner[mesh.topology.edge_vertices[mesh.topology.boundary_edges]] = False
     around = [set(np.flatnonzero(mesh.topology.face_vertices == v)) for v in np.flatnonzero(inner)]
     holds_vertex = any({int(mesh.topology.face[h]) for h in corners} <= set(chosen) for corners in around)
-    local = len(chosen) > 1 and not holds_vertex and not is_diffuse(distance, field)
+    local = not holds_vertex and not is_diffuse(distance, field)
     if not (local and faces.merge_and_insert(chosen, place)):
         faces.enrich_each(chosen)
     return faces.frozen(mesh)
+
+
+def concerned(field: NDArray[np.bool_], triangles: NDArray[np.int32], face: NDArray[np.integer]) -> list[int]:
+    """Faces that hold samples of a field inside, not just on their sides; without any, those that it touches."""
+    low, high = np.full(len(field), face.max()), np.zeros(len(field), np.int64)
+    np.minimum.at(low, triangles, face[:, None])
+    np.maximum.at(high, triangles, face[:, None])
+    inside = field & (low == high)
+    found = low[inside] if inside.any() else face[field[triangles].any(axis=1)]
+    return [int(k) for k in np.unique(found)]
 
 
 def _field(target: Target, samples: Floats, triangles: NDArray[np.int32]) -> tuple[Floats, Floats]:
