@@ -30,6 +30,21 @@ def test_creases_by_choice():
     assert len(mesh_target(mesh.vertices, mesh.faces, creases=95.0).crease_edges) == 0
 
 
+def test_creases_within_run_along_the_surface():
+    mesh = trimesh.creation.icosphere(4)
+    target = mesh_target(mesh.vertices, mesh.faces)
+    assert target.creased_within(np.empty((0, 2, 3))) is target
+    ends = np.array([[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]])
+    creased = target.creased_within(ends)
+    assert np.linalg.norm(creased.within, axis=2) == pytest.approx(1.0, abs=0.01)
+    np.testing.assert_allclose(creased.within[[0, -1], [0, 1]], ends[0], atol=1e-12)
+    np.testing.assert_array_equal(creased.within[1:, 0], creased.within[:-1, 1])
+    assert creased.crease_tree is not None
+    middle = creased.crease_tree.closest(np.array([[0.6, 0.6, 0.0]])).distance[0]
+    assert middle == pytest.approx(1 - 0.6 * np.sqrt(2), abs=0.01)
+    assert creased.creased_within(np.empty((0, 2, 3))).crease_tree is None
+
+
 def test_an_open_surface_has_a_boundary_search():
     target = mesh_target(np.eye(3), np.array([[0, 1, 2]]))
     assert target.boundary_edges.tolist() == [[0, 1], [1, 2], [2, 0]]

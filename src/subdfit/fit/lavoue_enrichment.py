@@ -1,21 +1,15 @@
 """Enrichment of a control mesh where the error is (Lavoué et al. 2007, section 5.2)."""
 
-from dataclasses import dataclass
-from itertools import pairwise
-
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
 from subdfit.initial.lavoue_fan import fan, ring_sides
-from subdfit.mesh.control_mesh import ControlMesh
-from subdfit.mesh.topology import Topology
+from subdfit.mesh.face_rings import Edge, FaceRings, Ring
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
-Ring = list[int]
-Edge = frozenset[int]
 
 _SIGNIFICANT = 0.5
 """Share of the largest error from which a sample belongs to the error field."""
@@ -43,44 +37,8 @@ def is_diffuse(distances: Floats, field: Flags) -> bool:
     return float(np.mean(distances[field] >= _NEAR * distances.max())) >= _DIFFUSE
 
 
-@dataclass
-class Faces:
-    """Faces as rings of vertices, counter-clockwise, positions of vertices, and sharp edges inside, open to edits."""
-
-    rings: list[Ring]
-    points: list[Floats]
-    creases: dict[Edge, float]
-
-    @classmethod
-    def of(cls, mesh: ControlMesh) -> "Faces":
-        """The faces of a control mesh."""
-        offsets, corners = mesh.topology.face_offsets.tolist(), mesh.topology.face_vertices.tolist()
-        rings = [corners[a:b] for a, b in pairwise(offsets)]
-        sharp = mesh.topology.crease_edges
-        ends = map(frozenset, mesh.topology.ends(sharp).tolist())
-        return cls(rings, list(mesh.points), dict(zip(ends, mesh.topology.sharpness[sharp], strict=True)))
-
-    def frozen(self, mesh: ControlMesh) -> ControlMesh:
-        """A control mesh of these faces, with their creases and the corners of the mesh that they come from.
-
-        Vertices without a face are left out.
-        """
-        used, rows = np.unique(np.concatenate(self.rings), return_inverse=True)
-        sharpness = np.zeros(len(self.points))
-        sharpness[: len(mesh.points)] = mesh.topology.corner_sharpness
-        corners = np.flatnonzero(sharpness[used] > 0)
-        offsets = np.concatenate([[0], np.cumsum([len(ring) for ring in self.rings])])
-        ends = np.array([sorted(edge) for edge in self.creases], np.int64).reshape(-1, 2)
-        topology = Topology.from_faces(
-            offsets,
-            rows,
-            len(used),
-            crease_edges=np.searchsorted(used, ends),
-            crease_sharpness=list(self.creases.values()),
-            corner_vertices=corners,
-            corner_sharpness=sharpness[used][corners],
-        )
-        return ControlMesh(topology, np.array(self.points)[used], mesh.scheme)
+class Faces(FaceRings):
+    """Faces open to enrichment."""
 
     def merge_and_insert(self, chosen: list[int], place: Floats) -> bool:
         """The local case: faces become one, with a new vertex that is joined to its neighbours.

@@ -2,7 +2,7 @@
 
 import logging
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from subdfit.fit.sheets import mixed_sheets
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import error_that_matters
 from subdfit.initial.start import DOUBLING, LARGEST_SHARE, REFININGS, start_mesh
+from subdfit.initial.wide_corners import part_wide_corners
 from subdfit.limit.surface import LimitSurface
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.schemes import scheme_named
@@ -30,8 +31,8 @@ DECIMATED = "between the part's own curves alone its sheets would be mixed up; t
 def started(target: Target, settings: FitSettings) -> tuple[Target, ControlMesh]:
     """The target as its method sees it, and the first control mesh."""
     if settings.method == "lavoue":
-        return lavoue_start(target, settings)
-    return target, _decimated(target, settings, settings.control_vertices)
+        return _parted_corners(*lavoue_start(target, settings))
+    return _decimated(target, settings, settings.control_vertices)
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +65,7 @@ def parted(state: FitState, settings: FitSettings, fitter: Callable[[], Fitter])
         if found is None or found.share <= LOST:
             return Start(state, trial, advanced)
         logger.warning("%s", DECIMATED)
-        state = _begun_again(state, settings, _decimated(state.data.target, settings, None))
+        state = _begun_again(state, settings, *_decimated(state.data.target, settings, None))
     return _parted_by_more(state, settings, fitter)
 
 
@@ -83,22 +84,29 @@ def _parted_by_more(state: FitState, settings: FitSettings, fitter: Callable[[],
         if wanted > most:
             return Start(state, trial, advanced)
         weights[found.near(target.points)] *= DOUBLING
-        state = _begun_again(state, settings, _decimated(target, settings, wanted, weights))
+        state = _begun_again(state, settings, *_decimated(target, settings, wanted, weights))
     return Start(state, fitter(), None)
 
 
 def _decimated(
     target: Target, settings: FitSettings, count: int | None, weights: NDArray[np.float64] | None = None
-) -> ControlMesh:
-    """The target's own mesh with fewer vertices; see `start_mesh` for the count and the weights."""
+) -> tuple[Target, ControlMesh]:
+    """The target, and its own mesh with fewer vertices; see `start_mesh` for the count and the weights."""
     scale = settings.tolerance.max or error_that_matters(settings.tolerance)
     budget, faces = settings.max_control_vertices, scheme_named(settings.scheme).faces
-    return start_mesh(target, count, scale, budget, faces, weights)
+    return _parted_corners(target, start_mesh(target, count, scale, budget, faces, weights))
 
 
-def _begun_again(state: FitState, settings: FitSettings, mesh: ControlMesh) -> FitState:
+def _parted_corners(target: Target, mesh: ControlMesh) -> tuple[Target, ControlMesh]:
+    """The mesh with creases within wide corners, and the target with what they follow."""
+    mesh, within = part_wide_corners(mesh)
+    return target.creased_within(mesh.points[within]), mesh
+
+
+def _begun_again(state: FitState, settings: FitSettings, target: Target, mesh: ControlMesh) -> FitState:
     """The state of another first control mesh."""
-    return _excused(FitState.start(state.data, LimitSurface(mesh, settings.scheme)), settings)
+    data = replace(state.data, target=target)
+    return _excused(FitState.start(data, LimitSurface(mesh, settings.scheme)), settings)
 
 
 def _excused(state: FitState, settings: FitSettings) -> FitState:

@@ -1,6 +1,6 @@
 """What is known of the data to be fitted: its points, faces, normals, curves, and searches among them."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
 
@@ -18,6 +18,8 @@ from subdfit.target.normals import face_normals, vertex_normals
 
 Creases = Literal["auto", "none"] | float
 
+_PIECES = 8
+"""Segments along the surface between two points."""
 _ON_RIM = 1e-9
 """Feet this near the boundary, as a share of the diagonal, lie on it."""
 
@@ -39,6 +41,7 @@ class Target:
     used : (k,) int64, the points that count: those of triangles, or all of a point cloud.
     diagonal : length of the diagonal of the bounding box of the used points.
     cloud : the triangles were made from the points: they guide, but only the points count as data.
+    within : (k, 2, 3) float64, segments on the surface along which a control mesh has a crease and the target none.
     """
 
     points: NDArray[np.float64]
@@ -50,6 +53,7 @@ class Target:
     used: NDArray[np.int64]
     diagonal: float
     cloud: bool = False
+    within: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 2, 3)))
 
     @property
     def is_mesh(self) -> bool:
@@ -68,8 +72,10 @@ class Target:
 
     @cached_property
     def crease_tree(self) -> SegmentTree | None:
-        """Search for closest points on the creases; None where there are none."""
-        return SegmentTree(self.points, self.crease_edges) if len(self.crease_edges) else None
+        """Search for closest points on the creases, and on what stands for them `within`; None where there are none."""
+        own = len(self.points) + np.arange(2 * len(self.within)).reshape(-1, 2)
+        edges = np.concatenate([self.crease_edges, own])
+        return SegmentTree(np.concatenate([self.points, self.within.reshape(-1, 3)]), edges) if len(edges) else None
 
     def on_triangles(self, triangle: NDArray[np.integer], uv: NDArray[np.float64]) -> NDArray[np.float64]:
         """Points (k, 3) at barycentric (1 - u - v, u, v) of triangles (k,)."""
@@ -79,7 +85,18 @@ class Target:
 
     def normalised(self, frame: Frame) -> "Target":
         """The same data in the normalised coordinates of a frame."""
-        return replace(self, points=frame.inside(self.points), diagonal=self.diagonal / frame.diagonal)
+        within = frame.inside(self.within.reshape(-1, 3)).reshape(-1, 2, 3)
+        return replace(self, points=frame.inside(self.points), diagonal=self.diagonal / frame.diagonal, within=within)
+
+    def creased_within(self, ends: NDArray[np.float64]) -> "Target":
+        """The same data with other segments `within`: along the surface between pairs of points, (k, 2, 3)."""
+        if len(ends) == len(self.within) == 0:
+            return self
+        share = np.linspace(0.0, 1.0, _PIECES + 1)[:, None]
+        chords = ends[:, :1] * (1 - share) + ends[:, 1:] * share
+        found = self.tree.closest(chords.reshape(-1, 3))
+        along = self.on_triangles(found.triangle, found.uv).reshape(chords.shape)
+        return replace(self, within=np.stack([along[:, :-1], along[:, 1:]], axis=2).reshape(-1, 2, 3))
 
     def nearest_point(self, queries: NDArray[np.float64]) -> NDArray[np.float64]:
         """Distances of (q, 3) queries from the nearest used point, (q,): what a cloud knows of closeness."""
