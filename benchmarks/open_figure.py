@@ -19,7 +19,7 @@ from subdfit.target.curvature import curvature_field
 from subdfit.target.features import mesh_edges
 from subdfit.target.target import mesh_target
 
-VIEWS = {cushion: (0.0, 55.0), boss: (20.0, 40.0), tube: (32.0, 25.0)}
+VIEWS = {cushion: (25.0, 20.0), boss: (20.0, 40.0), tube: (32.0, 25.0)}
 """From where each is seen: azimuth and elevation in degrees."""
 PALE = (0.97, 0.97, 0.96)
 

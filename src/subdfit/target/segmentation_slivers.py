@@ -15,6 +15,8 @@ _LOW = 0.02
 """Height over the longest side below which a triangle's normal means nothing."""
 _BEVEL = 45.0
 """Degrees by which a triangle made by a flip may face away from both together: a sharp edge beside it stays."""
+_TURNS = 16
+"""Most rounds of unfolding, which leave fewer folded triangles each."""
 FOLDED = 150.0
 """Degrees to a neighbour from which a triangle is folded back over it."""
 
@@ -40,11 +42,10 @@ def without_slivers(points: Floats, triangles: NDArray[np.integer]) -> NDArray[n
     corners = np.array(triangles, np.int32)
     sides = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2).tolist()
     face_of = {(a, b): side // 3 for side, (a, b) in enumerate(sides)}
-    turned = True
-    while turned:
+    for _ in range(_TURNS):
         _flip_needles(points, corners, face_of)
-        # Each turn leaves fewer folded triangles, and flips of needles make none.
-        turned = _unfold(points, corners, face_of)
+        if not _unfold(points, corners, face_of):
+            break
     return corners
 
 
