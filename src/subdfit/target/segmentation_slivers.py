@@ -40,6 +40,8 @@ def without_slivers(points: Floats, triangles: NDArray[np.integer]) -> NDArray[n
     triangles : (m, 3) int, rows of `points`, oriented alike, at most two an edge.
     """
     corners = np.array(triangles, np.int32)
+    if _shapes(points[corners]).min() >= _LOW and len(_folded(points, corners)) == 0:
+        return corners
     sides = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2).tolist()
     face_of = {(a, b): side // 3 for side, (a, b) in enumerate(sides)}
     for _ in range(_TURNS):
@@ -71,14 +73,19 @@ def _flip_needles(points: Floats, corners: NDArray[np.int32], face_of: _Sides) -
 
 def _unfold(points: Floats, corners: NDArray[np.int32], face_of: _Sides) -> bool:
     """Flip a side of each triangle that is folded over all its neighbours, where one allows; whether any did."""
-    edges = mesh_edges(points, corners)
     before = corners.copy()
-    for f in np.flatnonzero((edges.angle[edges.of_face] > FOLDED).all(axis=1)).tolist():
+    for f in _folded(points, corners).tolist():
         flips = (_flipped(points, corners, face_of, f, side) for side in range(3))
         flip = next((flip for flip in flips if flip is not None), None)
         if flip is not None and np.array_equal(corners[[f, flip.beyond]], before[[f, flip.beyond]]):
             _replace(corners, face_of, f, flip)
     return not np.array_equal(corners, before)
+
+
+def _folded(points: Floats, corners: NDArray[np.int32]) -> NDArray[np.int64]:
+    """Triangles folded over all their neighbours, (k,)."""
+    edges = mesh_edges(points, corners)
+    return np.flatnonzero((edges.angle[edges.of_face] > FOLDED).all(axis=1))
 
 
 def _shapes(corners: Floats) -> Floats:
