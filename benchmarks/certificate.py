@@ -26,7 +26,7 @@ def run() -> str:
 
 
 def _row(name: str, scheme: str) -> list[str]:
-    result = subdfit.fit(MODELS / f"{name}.ply", max_error=BOUND, scheme=scheme)
+    result = subdfit.fit(MODELS / f"{name}.ply", max_error=BOUND, scheme=scheme, method="tangent")
     data = subdfit.read(MODELS / f"{name}.ply")
     target = mesh_target(data.points, triangles_of(data))
     frame = Frame.of(target.points[target.used])

@@ -15,7 +15,7 @@ STAGES = {
         ("subdfit.closest.projection.Projector", "refine"),
         ("subdfit.closest.projection.Projector", "start"),
     ],
-    "remesh": [("subdfit.fit.auto", "refined"), ("subdfit.fit.geometric", "refined")],
+    "remesh": [("subdfit.fit.tangential", "refined"), ("subdfit.fit.geometric", "refined")],
     "rows and solve": [("subdfit.fit.descent", "tangent_system"), ("subdfit.fit.geometric.Geometric", "displacements")],
     "reverse side": [("subdfit.fit.strays.Strays", "samples"), ("subdfit.fit.reverse.Samples", "of")],
     "certificate": [("subdfit.fit.driver", "measure")],

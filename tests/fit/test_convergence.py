@@ -6,11 +6,11 @@ import pytest
 from shapes.mixed import cut_some
 from shapes.polygons import polygons, prism_data
 from shapes.zoo import icosahedron_data
-from subdfit.fit.auto import Auto
 from subdfit.fit.data import FitData
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FOOTPOINT_TOLERANCE, FitState
 from subdfit.fit.tangent import TangentSettings
+from subdfit.fit.tangential import Tangential
 from subdfit.limit import LimitSurface
 from subdfit.limit.tessellate import lattice
 from subdfit.measure import Tolerance
@@ -44,7 +44,7 @@ def fitted(mesh: ControlMesh, scheme: str, target: Target, rounds: int, **weight
     data = FitData.of(target.normalised(frame), 0.1)
     state = FitState.start(data, LimitSurface(mesh.with_points(frame.inside(mesh.points)), scheme))
     full = FitSettings(tolerance=Tolerance(max=1e-12), max_control_vertices=len(mesh.points))
-    method = Auto(full, TangentSettings(relaxation=0.0, reverse_weight=0.0, **weights))
+    method = Tangential(full, TangentSettings(relaxation=0.0, reverse_weight=0.0, **weights))
     for _ in range(rounds):
         state = method.advance(state)
     assert state.surface.topology is mesh.topology

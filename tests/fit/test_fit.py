@@ -9,11 +9,11 @@ from tests.shapes.parts import can
 
 from subdfit.closest.projection import Projector
 from subdfit.errors import InputError
-from subdfit.fit.auto import Auto
 from subdfit.fit.data import FitData
 from subdfit.fit.driver import METHODS, Progress, _Run, fit_target
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
+from subdfit.fit.tangential import Tangential
 from subdfit.initial.start import start_mesh
 from subdfit.limit import LimitSurface
 from subdfit.measure import Tolerance, measure
@@ -207,14 +207,14 @@ def test_of_states_whose_data_hold_that_is_kept_which_strays_least(dome: Target)
     assert max(good.errors.max, good.errors.excess) < bound < off
     assert rough.errors.max > bound
 
-    class Judge(Auto):
+    class Judge(Tangential):
         strays = 0.0
 
         def stray(self, state: FitState) -> float:
             return self.strays
 
     asked = settings("auto", bound)
-    judge, run = Judge(asked), _Run(inside, asked, Frame.of(inside.points), None)
+    judge, run = Judge(asked), _Run(inside, asked, None)
     for state, strays in ((rough, 0.5), (good, 3.0), (rough, 0.1), (replace(good), 2.0), (replace(good), 2.5)):
         judge.strays = strays
         run.record("fit", state, judge)
@@ -243,7 +243,7 @@ def test_a_fit_goes_on_that_is_within_tolerance_by_its_own_account_alone(monkeyp
     target = mesh_target(*can(sections=16, rows=3), creases=30.0)
     told = []
 
-    class Blind(Auto):
+    class Blind(Tangential):
         """Sees nothing that strays until it is told to."""
 
         def stray(self, state: FitState) -> float:

@@ -7,7 +7,6 @@ from scipy.spatial import cKDTree
 
 from subdfit.closest.curves import SurfaceCurves
 from subdfit.fit.adapt import refined
-from subdfit.fit.auto import Auto
 from subdfit.fit.changes import cells_moved_by, changed_cells
 from subdfit.fit.data import FitData
 from subdfit.fit.regions import regions
@@ -17,6 +16,7 @@ from subdfit.fit.spots import Spot
 from subdfit.fit.state import FOOTPOINT_TOLERANCE, FitState
 from subdfit.fit.strays import Strays
 from subdfit.fit.tangent import TangentSettings
+from subdfit.fit.tangential import Tangential
 from subdfit.limit import LimitSurface
 from subdfit.measure import Tolerance, reverse_segments
 from subdfit.mesh.control_mesh import ControlMesh
@@ -136,7 +136,7 @@ def test_a_boundary_with_fewer_data_than_control_points_lies_on_the_targets() ->
         samples = CurveSamples.of(curves, np.arange(len(curves)), boundary)
         return float(np.linalg.norm(samples.gaps(state.surface), axis=1).max())
 
-    method = Auto(FitSettings(tolerance=Tolerance(max=1e-2), max_control_vertices=len(points)))
+    method = Tangential(FitSettings(tolerance=Tolerance(max=1e-2), max_control_vertices=len(points)))
     before = wave(state)
     for _ in range(4):
         state = method.advance(state)
@@ -218,7 +218,7 @@ def test_a_spot_without_data_is_drawn_to_the_target(state: FitState) -> None:
 @pytest.mark.parametrize(("share", "drawn"), [(0.01, False), (0.95, True)])
 def test_what_strays_is_drawn_once_few_faces_are_too_far_off(state: FitState, share: float, drawn: bool) -> None:
     bound = share * state.errors.max
-    fitter = Auto(FitSettings(tolerance=Tolerance(max=bound)))
+    fitter = Tangential(FitSettings(tolerance=Tolerance(max=bound)))
     even = even_samples(state.surface, state.data.target, reverse_segments(state.surface.domain))
     straying = even[even.gap > bound / 2]
     taken = places_of(fitter._samples(state), state.surface)

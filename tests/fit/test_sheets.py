@@ -5,12 +5,12 @@ import pytest
 import trimesh
 
 import subdfit
-from subdfit.fit.auto import Auto
 from subdfit.fit.data import FitData
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.sheets import mixed, mixed_sheets
 from subdfit.fit.starts import parted
 from subdfit.fit.state import FitState
+from subdfit.fit.tangential import Tangential
 from subdfit.initial.start import start_mesh
 from subdfit.limit.surface import LimitSurface
 from subdfit.measure import Tolerance
@@ -52,9 +52,9 @@ def test_sheets_are_parted_where_they_mix_and_nowhere_else() -> None:
     settings = FitSettings(tolerance=Tolerance(max=1e-3))
     mesh = start_mesh(target, 300, 1e-3)
     state = FitState.start(FitData.of(target, 0.02), LimitSurface(mesh, "loop"))
-    found = parted(state, settings, lambda: Auto(settings))
-    assert mixed_sheets(state, Auto(settings))[0] is not None
-    assert mixed_sheets(found.state, Auto(settings))[0] is None
+    found = parted(state, settings, lambda: Tangential(settings))
+    assert mixed_sheets(state, Tangential(settings))[0] is not None
+    assert mixed_sheets(found.state, Tangential(settings))[0] is None
     assert 1.05 * 300 < found.state.surface.topology.vertex_count < 1.5 * 300
 
 
@@ -63,9 +63,9 @@ def test_the_round_that_was_looked_at_is_the_first_of_the_fit() -> None:
     target = target.normalised(Frame.of(target.points))
     settings = FitSettings(tolerance=Tolerance(max=1e-3))
     state = FitState.start(FitData.of(target, 0.02), LimitSurface(start_mesh(target, 300, 1e-3), "loop"))
-    fitter = Auto(settings)
+    fitter = Tangential(settings)
     advanced = mixed_sheets(state, fitter)[1]
-    again = Auto(settings)
+    again = Tangential(settings)
     points = advanced.surface.control_mesh.points
     np.testing.assert_array_equal(points, again.advance(state).surface.control_mesh.points)
     second = fitter.advance(advanced).surface.control_mesh.points

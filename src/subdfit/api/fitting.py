@@ -68,8 +68,10 @@ def fit(
     scheme
         Subdivision scheme.
     method
-        ``auto`` (tangent distances, the best), ``geometric`` (Nishiyama et al. 2008) or ``lavoue`` (Lavoué et al. 2007:
-        for machined parts, whose faces and edges make the control mesh; schemes quad-triangle and catmull-clark).
+        ``tangent`` (tangent distances), ``geometric`` (Nishiyama et al. 2008) or ``lavoue`` (Lavoué et al. 2007: for
+        machined parts, whose faces and edges make the control mesh; schemes quad-triangle and catmull-clark). ``auto``
+        is the best of them: ``lavoue`` for parts with many sharp edges, where that gives a certified fit, else
+        ``tangent``.
     max_error, rms_error, mean_error
         Tolerances, all of which must hold: a number is a length in the target's unit, a string such as ``"0.05%"`` a
         share of its diagonal. Where none is given, `max_error` is 0.1 %.

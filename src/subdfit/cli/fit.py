@@ -72,8 +72,9 @@ def _add_method(parser: argparse.ArgumentParser) -> None:
         "--method",
         choices=options.METHODS,
         default="auto",
-        help="auto: tangent distances, the best (default); geometric: Nishiyama, Morioka and Maekawa 2008; lavoue: "
-        "Lavoué, Dupont and Baskurt 2007, from the faces and edges of a part (schemes quad-triangle, catmull-clark)",
+        help="tangent: tangent distances; geometric: Nishiyama, Morioka and Maekawa 2008; lavoue: Lavoué, Dupont and "
+        "Baskurt 2007, from the faces and edges of a part (schemes quad-triangle, catmull-clark); auto: lavoue for "
+        "parts with many sharp edges by these schemes, where it is certified, else tangent (default)",
     )
     group.add_argument("--control-vertices", metavar="N", type=int, help="vertices to start from (default: chosen)")
     group.add_argument("--max-control-vertices", metavar="N", type=int, help="stop at so many, with the best so far")

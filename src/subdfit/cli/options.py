@@ -7,7 +7,7 @@ import argparse
 from typing import Any
 
 SCHEMES = ("loop", "catmull-clark", "doo-sabin", "doo-sabin-averaging", "quad-triangle")
-METHODS = ("auto", "geometric", "lavoue")
+METHODS = ("auto", "tangent", "geometric", "lavoue")
 INTERPOLATION_METHODS = ("cg", "chebyshev", "over-relaxation", "progressive")
 
 

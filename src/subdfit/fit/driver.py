@@ -2,15 +2,17 @@
 
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from subdfit.compiled import compile_clock
 from subdfit.errors import InputError
-from subdfit.fit.auto import Auto
+from subdfit.fit.choice import suits_lavoue
 from subdfit.fit.data import FitData
 from subdfit.fit.fitter import Fitter
 from subdfit.fit.geometric import Geometric
@@ -18,9 +20,10 @@ from subdfit.fit.held import boundary_held
 from subdfit.fit.lavoue import Lavoue
 from subdfit.fit.result import FitResult, Iteration, Status
 from subdfit.fit.settings import FitSettings
-from subdfit.fit.starts import Start, parted, started
+from subdfit.fit.starts import Start, own_start, parted, started
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import badness, error_that_matters, surface_within, within
+from subdfit.fit.tangential import Tangential
 from subdfit.fit.thinning import Thinning
 from subdfit.limit.surface import LimitSurface
 from subdfit.measure import Measurement, Outliers, Tolerance, measure
@@ -30,7 +33,13 @@ from subdfit.target.target import Target
 
 logger = logging.getLogger(__name__)
 
-METHODS: dict[str, Callable[[FitSettings], Fitter]] = {"auto": Auto, "geometric": Geometric, "lavoue": Lavoue}
+METHODS: dict[str, Callable[[FitSettings], Fitter]] = {
+    "auto": Tangential,
+    "tangent": Tangential,
+    "geometric": Geometric,
+    "lavoue": Lavoue,
+}
+"""Fitters by name; ``auto`` is ``tangent``, or ``lavoue`` for targets that suit it."""
 
 CLOSER = 3
 """So often a fit goes on that is within tolerance by its own account but not by the certificate's."""
@@ -65,7 +74,6 @@ class _Run:
 
     target: Target
     settings: FitSettings
-    frame: Frame
     callback: Callable[[Progress], None] | None
     begun: float = field(default_factory=time.perf_counter)
     compiled: float = field(default_factory=lambda: compile_clock.seconds)
@@ -75,6 +83,15 @@ class _Run:
     best_standing: tuple[int, float] = (3, np.inf)
     best_iteration: int = 0
     first_within: tuple[int, int] | None = None
+
+    @cached_property
+    def frame(self) -> Frame:
+        """The frame in which the target is fitted."""
+        return Frame.of(self.target.points[self.target.used])
+
+    def fitter(self) -> Fitter:
+        """The method of the settings, ready for its first round."""
+        return METHODS[self.settings.method](self.settings)
 
     def record(self, stage: str, state: FitState, fitter: Fitter) -> None:
         """Note an iteration, and keep the state if it is the best."""
@@ -133,8 +150,11 @@ class _Run:
         mesh = surface.control_mesh
         return ControlMesh(mesh.topology, self.frame.outside(mesh.points), surface.scheme.name)
 
-    def timed(self, stage: str, since: float) -> None:
-        """Add the time since `since` to a stage."""
+    @contextmanager
+    def timed(self, stage: str) -> Iterator[None]:
+        """Add the time of what follows to a stage."""
+        since = time.perf_counter()
+        yield
         self.seconds[stage] = self.seconds.get(stage, 0.0) + time.perf_counter() - since
 
 
@@ -173,31 +193,71 @@ def fit_target(
         raise InputError(f"unknown method '{settings.method}'; choose one of {', '.join(METHODS)}")
     # More control vertices than data would follow nothing.
     settings = replace(settings, max_control_vertices=settings.max_control_vertices or len(target.used))
-    run = _Run(target, settings, Frame.of(target.points[target.used]), progress)
-    clock = time.perf_counter()
-    inside, mesh = started(target.normalised(run.frame), settings)
-    data = FitData.of(inside, settings.sample_spacing, error_that_matters(settings.tolerance))
-    run.timed("start", clock)
-    clock = time.perf_counter()
-    state = FitState.start(data, LimitSurface(mesh, settings.scheme))
-    start = parted(state, settings, lambda: METHODS[settings.method](settings))
-    if settings.fixed_boundary:
-        start = Start(boundary_held(start.state, settings), METHODS[settings.method](settings), None)
-    run.timed("footpoints", clock)
-    interrupted, measurement = False, None
-    clock = time.perf_counter()
+    own = None
+    if settings.method == "auto" and suits_lavoue(target, settings):
+        own = _fitted_from_own_faces(_Run(target, replace(settings, method="lavoue"), progress), unit)
+        if own is not None and (own.certified or own.status == "interrupted"):
+            return own
+        logger.info("the part's own faces and edges gave no certified fit; its mesh is decimated instead")
     try:
-        run.record("start", start.state, start.fitter)
-        state, measurement = _iterate(run, start)
-        surface = state.surface
-        if measurement is not None and (settings.thin or settings.method == "lavoue"):
-            surface, measurement = _thinned(run, state, measurement)
+        found = _fitted(_Run(target, settings, progress), unit)
     except KeyboardInterrupt:
-        if run.best is None:
+        if own is None:
             raise
-        interrupted, surface = True, run.best.surface
-    run.timed("fit", clock)
-    return _result(run, surface, measurement or _measured(run, surface, data.target), interrupted, unit)
+        return replace(own, status="interrupted")
+    return found if own is None or found.certified or own.status != "within_tolerance" else own
+
+
+def _fitted_from_own_faces(run: _Run, unit: str | None) -> FitResult | None:
+    """A fit by the method ``lavoue``; None where the part's faces and edges alone do not begin it."""
+    try:
+        state = _first_state(run)
+    except InputError as error:
+        logger.info("%s", error)
+        return None
+    with run.timed("footpoints"):
+        start = own_start(state, run.fitter())
+    return None if start is None else _advanced(run, start, unit)
+
+
+def _fitted(run: _Run, unit: str | None) -> FitResult:
+    """A fit by the method of its settings."""
+    state = _first_state(run)
+    with run.timed("footpoints"):
+        start = parted(state, run.settings, run.fitter)
+    return _advanced(run, start, unit)
+
+
+def _first_state(run: _Run) -> FitState:
+    """The first control mesh with the footpoints of the data."""
+    settings = run.settings
+    with run.timed("start"):
+        inside, mesh = started(run.target.normalised(run.frame), settings)
+        data = FitData.of(inside, settings.sample_spacing, error_that_matters(settings.tolerance))
+    with run.timed("footpoints"):
+        return FitState.start(data, LimitSurface(mesh, settings.scheme))
+
+
+def _advanced(run: _Run, start: Start, unit: str | None) -> FitResult:
+    """The fit from its start to its end, or to Ctrl-C."""
+    settings = run.settings
+    if settings.fixed_boundary:
+        with run.timed("footpoints"):
+            start = Start(boundary_held(start.state, settings), run.fitter(), None)
+    interrupted, measurement = False, None
+    with run.timed("fit"):
+        try:
+            run.record("start", start.state, start.fitter)
+            state, measurement = _iterate(run, start)
+            surface = state.surface
+            if measurement is not None and (settings.thin or settings.method == "lavoue"):
+                surface, measurement = _thinned(run, state, measurement)
+        except KeyboardInterrupt:
+            if run.best is None:
+                raise
+            interrupted, surface = True, run.best.surface
+    measurement = measurement or _measured(run, surface, start.state.data.target)
+    return _result(run, surface, measurement, interrupted, unit)
 
 
 def _iterate(run: _Run, start: Start) -> tuple[FitState, Measurement | None]:
@@ -249,12 +309,10 @@ def _thinned(run: _Run, state: FitState, measurement: Measurement) -> tuple[Limi
 
 def _measured(run: _Run, surface: LimitSurface, target: Target) -> Measurement:
     """The measurement of a surface, from nothing."""
-    clock = time.perf_counter()
     settings = run.settings
     allowed = Outliers(settings.robust, settings.tolerance.max)
-    found = measure(surface, target, settings.sample_spacing, run.frame.diagonal, allowed)
-    run.timed("certificate", clock)
-    return found
+    with run.timed("certificate"):
+        return measure(surface, target, settings.sample_spacing, run.frame.diagonal, allowed)
 
 
 def _result(

@@ -2,7 +2,7 @@
 
 The paper fits every patch of a segmented part by itself, boundaries held, and joins them. Here patches share their
 curves from the start (`lavoue_whole`), and are optimised together, so that curves move as well: rounds of the steps of
-`auto`, in which points on creases are tied to crease curves, and enrichment when these have settled too far off.
+`tangent`, in which points on creases are tied to crease curves, and enrichment when these have settled too far off.
 """
 
 from dataclasses import replace
@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.errors import InputError
-from subdfit.fit.auto import Auto
 from subdfit.fit.faults import Faults
 from subdfit.fit.lavoue_whole import cut_part, whole_start
 from subdfit.fit.places import Places
@@ -19,6 +18,7 @@ from subdfit.fit.reverse import Samples, even_strays, reverse_badness, sparse_sa
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import badness, within
+from subdfit.fit.tangential import Tangential
 from subdfit.fit.thinning_hold import Hold
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.target.features import along_edges
@@ -44,7 +44,7 @@ DAMPING = 1e-2
 """Least damping at the beginning of a round: large faces leave directions in which little holds their vertices."""
 
 
-class Lavoue(Auto):
+class Lavoue(Tangential):
     """Rounds of optimisation of all patches together, and enrichment once they have settled too far off."""
 
     cuts_at_once = True

@@ -12,7 +12,8 @@ class FitSettings:
     Attributes
     ----------
     scheme : subdivision scheme by name.
-    method : fitter by name, ``auto``, ``geometric`` or ``lavoue``.
+    method : fitter by name, ``tangent``, ``geometric`` or ``lavoue``; ``auto`` is ``tangent``, or ``lavoue`` for parts
+        with many sharp edges, and a result's settings then say ``lavoue``.
     tolerance : what must hold.
     control_vertices : vertices of the first control mesh; None chooses from the tolerance.
     max_control_vertices : budget; None is unbounded.

@@ -16,6 +16,10 @@ MIXED = 0.0005
 """Share of the surface that faces the wrong way from which, if it does after a round of a fit as well, the control mesh
 is too coarse there to part the sheets. Of nine models, sound starts left so much at most, and those whose fits could
 not be certified .002 and more."""
+AGAINST = -0.25
+"""Cosine between normals below which a place faces the wrong way: beside a sharp edge the other face, at a right angle,
+may be the nearest.
+"""
 REACH = 3.0
 """Within how many cell sides of such places it is made finer: the sheets on both sides, and what leads up to them."""
 
@@ -53,7 +57,7 @@ def mixed(state: FitState) -> Mixed:
         np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]) for p in (corners, target.points[target.triangles[nearest]])
     )
     area = np.linalg.norm(own, axis=1)
-    wrong = np.sum(own * other, axis=1) < 0
+    wrong = np.sum(own * other, axis=1) < AGAINST * area * np.linalg.norm(other, axis=1)
     reach = REACH * SEGMENTS * np.sqrt(area[wrong])
     return Mixed(float(area[wrong].sum() / max(area.sum(), 1e-300)), middle[wrong], reach)
 

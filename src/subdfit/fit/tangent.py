@@ -1,4 +1,4 @@
-"""Tangent-distance minimisation with Levenberg-style damping: the step of the method ``auto``.
+"""Tangent-distance minimisation with Levenberg-style damping: the step of the method ``tangent``.
 
 Each data point pulls its footpoint along the surface normal, weakly along the tangent plane (Blake and Isard 1998;
 Pottmann and Leopoldseder 2003); points on curves pull across the curve. A step is kept only if the true errors, with

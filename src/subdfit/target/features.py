@@ -76,6 +76,21 @@ def edges_among(edges: NDArray[np.integer], some: NDArray[np.integer]) -> NDArra
     return np.isin(np.sort(edges, axis=1) @ key, np.sort(some, axis=1) @ key)
 
 
+def sharp_share(points: NDArray[np.float64], triangles: NDArray[np.integer], creases: NDArray[np.integer]) -> float:
+    """How much of a mesh's bending its creases take, 0 to 1: of the angles across edges times their lengths.
+
+    Parameters
+    ----------
+    points : (n, 3) float64.
+    triangles : (m, 3) int, rows of `points`, oriented alike.
+    creases : (c, 2) int, edges of the mesh.
+    """
+    edges = mesh_edges(points, triangles)
+    bending = edges.angle * np.linalg.norm(np.diff(points[edges.vertices], axis=1)[:, 0], axis=1)
+    total = float(bending.sum())
+    return float(bending[edges_among(edges.vertices, creases)].sum()) / total if total > 0 else 0.0
+
+
 def along_edges(
     points: NDArray[np.float64], triangles: NDArray[np.integer], wanted: NDArray[np.integer]
 ) -> NDArray[np.int64]:

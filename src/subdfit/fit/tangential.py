@@ -1,4 +1,4 @@
-"""The method ``auto``: damped tangent-distance steps, and splits of the faces whose maximum is too large."""
+"""The method ``tangent``: damped tangent-distance steps, and splits of the faces whose maximum is too large."""
 
 from dataclasses import replace
 
@@ -48,7 +48,7 @@ ROBUST = 3.0
 Flags = NDArray[np.bool_]
 
 
-class Auto:
+class Tangential:
     """Rounds of a few damped tangent-distance steps, the control mesh adapted before each but the first."""
 
     patience = 16

@@ -1,0 +1,18 @@
+"""Which parts the method ``auto`` gives to ``lavoue``: those with many sharp edges."""
+
+from subdfit.fit.lavoue import SCHEMES
+from subdfit.fit.settings import FitSettings
+from subdfit.target.features import sharp_share
+from subdfit.target.target import Target
+
+MOSTLY = 0.5
+"""Share of a part's bending in its creases from which its faces and edges make the control mesh. Of parts of planes,
+cylinders and sharp edges it is .5 to 1, of scans with a few creases .3 at most."""
+
+
+def suits_lavoue(target: Target, settings: FitSettings) -> bool:
+    """Whether a target bends mostly at its creases, and the settings leave the first control mesh to the method."""
+    possible = settings.scheme in SCHEMES and settings.control_vertices is None and not target.cloud
+    if not possible or len(target.crease_edges) == 0:
+        return False
+    return sharp_share(target.points, target.triangles, target.crease_edges) >= MOSTLY
