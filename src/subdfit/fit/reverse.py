@@ -11,7 +11,7 @@ from subdfit.fit.state import FitState
 from subdfit.limit.surface import LimitSurface
 from subdfit.limit.tessellate import lattice
 from subdfit.measure import PEAK, Tolerance, peaks, reverse_segments, surface_samples
-from subdfit.schemes.domain import CORNERS
+from subdfit.schemes.domain import CORNERS, Domain
 from subdfit.target.bvh import SegmentTree
 from subdfit.target.target import Target
 
@@ -174,14 +174,18 @@ def reverse_badness(state: FitState, tolerance: Tolerance) -> float:
     return max((value / bound for bound, value in asked if bound), default=0.0)
 
 
-def inner_samples(surface: LimitSurface, target: Target, cells: NDArray[np.int64]) -> Samples:
-    """Samples inside some cells: at the middle, and half-way from there to each corner."""
-    shape = surface.domain.shape[cells]
-    present = surface.domain.present[cells]
+def inner_places(domain: Domain, cells: NDArray[np.int64]) -> tuple[NDArray[np.int32], Floats]:
+    """Places inside some cells, faces (k,) and parameters (k, 2): their middles, and half-way to each corner."""
+    shape, present = domain.shape[cells], domain.present[cells]
     middle = (CORNERS[shape] * present[:, :, None]).sum(axis=1) / shape[:, None]
     places = np.concatenate([middle[:, None], (middle[:, None] + CORNERS[shape]) / 2], axis=1)
     row, column = np.nonzero(np.column_stack([np.ones(len(cells), np.bool_), present]))
-    return Samples.of(surface, target, cells[row].astype(np.int32), np.ascontiguousarray(places[row, column]))
+    return cells[row].astype(np.int32), np.ascontiguousarray(places[row, column])
+
+
+def inner_samples(surface: LimitSurface, target: Target, cells: NDArray[np.int64]) -> Samples:
+    """Samples inside some cells."""
+    return Samples.of(surface, target, *inner_places(surface.domain, cells))
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.fit.fitter import Fitter
+from subdfit.fit.reverse import inner_places
 from subdfit.fit.state import FitState
 from subdfit.initial.reach import within_reach
-from subdfit.limit.tessellate import lattice
+from subdfit.schemes.domain import QUAD
+from subdfit.target.normals import face_normals
 
-SEGMENTS = 2
-"""Segments a cell side into which the surface is cut to see where it faces."""
 MIXED = 0.0005
 """Share of the surface that faces the wrong way from which, if it does after a round of a fit as well, the control mesh
 is too coarse there to part the sheets. Of nine models, sound starts left so much at most, and those whose fits could
@@ -49,17 +49,20 @@ def mixed(state: FitState) -> Mixed:
     target, surface = state.data.target, state.surface
     if target.cloud:
         return Mixed(0.0, np.empty((0, 3)), np.empty(0))
-    grid = lattice(surface.domain, SEGMENTS)
-    corners = surface.evaluate(grid.face, grid.uv).position[grid.triangles]
-    middle = corners.mean(axis=1)
-    nearest = target.tree.closest(middle).triangle
-    own, other = (
-        np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]) for p in (corners, target.points[target.triangles[nearest]])
+    face, uv = inner_places(surface.domain, np.arange(surface.domain.face_count))
+    found = surface.evaluate(face, uv, 1)
+    assert found.first is not None
+    normal = np.cross(found.first[:, 0], found.first[:, 1])
+    area = np.linalg.norm(normal, axis=1)
+    nearest = target.tree.closest(found.position).triangle
+    cosine = np.sum(normal * face_normals(target.points, target.triangles[nearest]), axis=1)
+    wrong = cosine < AGAINST * area
+    # Samples of a cell stand for equal parts of it, and the area is that of a quad of its sides.
+    shape = surface.domain.shape[face]
+    part = area / np.where(shape == QUAD, 1.0, 2.0) / (shape + 1)
+    return Mixed(
+        float(part[wrong].sum() / max(part.sum(), 1e-300)), found.position[wrong], REACH * np.sqrt(area[wrong])
     )
-    area = np.linalg.norm(own, axis=1)
-    wrong = np.sum(own * other, axis=1) < AGAINST * area * np.linalg.norm(other, axis=1)
-    reach = REACH * SEGMENTS * np.sqrt(area[wrong])
-    return Mixed(float(area[wrong].sum() / max(area.sum(), 1e-300)), middle[wrong], reach)
 
 
 def mixed_sheets(state: FitState, fitter: Fitter) -> tuple[Mixed | None, FitState | None]:
