@@ -74,42 +74,74 @@ def topologic_contour(
     if not loops:
         raise InputError("the surface is closed; segment it into open patches first")
     _require_disk_with_holes(surface, len(loops))
-    surface = passable(surface)
-    origin = np.arange(len(surface.points))
     names = np.arange(len(anchors)) if names is None else names
-    taken = set(taken)
     points = surface.points[anchors] if points is None else points
-    whole, edges = surface, _polygon_sides(surface, anchors, loop_of, points)
-    joined, links = np.arange(int(loop_of.max()) + 1), []
+    surface = passable(surface)
+    opening = _Opening(surface, anchors, loop_of, points, names, taken)
     pairs = _candidates(surface, anchors, loop_of)
     # A link that crosses an edge is better than none.
-    for (a, b), crossing in [*((pair, False) for pair in pairs), *((pair, True) for pair in pairs)]:
-        link = frozenset((int(names[a]), int(names[b])))
-        if joined[loop_of[a]] == joined[loop_of[b]] or len(link) < 2 or link in taken:
-            continue
-        geodesic = whole.find([(int(anchors[a]), int(anchors[b]))], "geodesic")[0]
-        edge = Edges(np.array([[a, b]]), points[[[a, b]]], whole.mean_normals([geodesic]))
-        if not crossing and edges.crossed_by(edge):
-            continue
-        begin, end = (np.flatnonzero(origin == anchors[k]) for k in (a, b))
-        path = surface.edge_path(begin, end, geodesic)
+    for crossing in (False, True):
+        for a, b in pairs:
+            opening.link(a, b, crossing)
+    return opening.contour()
+
+
+class _Opening:
+    """A surface on its way to a disk: cut open along linking edges, one at a time; arguments of `topologic_contour`."""
+
+    def __init__(
+        self,
+        surface: ScoredSurface,
+        anchors: Indices,
+        loop_of: Indices,
+        points: Floats,
+        names: Indices,
+        taken: Set[frozenset[int]],
+    ) -> None:
+        self._whole = self._surface = surface
+        self._anchors, self._loop_of, self._points, self._names = anchors, loop_of, points, names
+        self._taken = set(taken)
+        self._edges = _polygon_sides(surface, anchors, loop_of, points)
+        # Vertices of the surface before all cuts; -1 for those that cuts have put on edges since.
+        self._origin = np.arange(len(surface.points))
+        self._joined = np.arange(int(loop_of.max()) + 1)
+        self._links: list[tuple[int, int]] = []
+
+    def link(self, a: int, b: int, crossing: bool) -> None:
+        """Join the boundaries of two control points, unless they are, by an edge that may cross others or not."""
+        link = frozenset((int(self._names[a]), int(self._names[b])))
+        one, other = self._joined[self._loop_of[[a, b]]]
+        if one == other or len(link) < 2 or link in self._taken:
+            return
+        geodesic = self._whole.find([(int(self._anchors[a]), int(self._anchors[b]))], "geodesic")[0]
+        edge = Edges(np.array([[a, b]]), self._points[[[a, b]]], self._whole.mean_normals([geodesic]))
+        if not crossing and self._edges.crossed_by(edge):
+            return
+        begin, end = (np.flatnonzero(self._origin == self._anchors[k]) for k in (a, b))
+        path = self._surface.edge_path(begin, end, geodesic)
         if len(path) < 2:
-            continue
-        edges = edges.joined(edge)
-        surface, came_from = cut(surface, path)
-        surface, fresh = passable(surface), origin[came_from]
-        origin = np.full(len(surface.points), -1)
-        origin[: len(fresh)] = fresh
-        joined[joined == joined[loop_of[b]]] = joined[loop_of[a]]
-        taken.add(link)
-        links.append((int(names[a]), int(names[b])))
-    if len(np.unique(joined)) > 1:
-        raise InputError("a boundary cannot be linked to the others: its triangles are too few; refine the mesh")
-    rim = boundary_loops(surface.triangles)[0].vertices
-    control = np.full(origin.max() + 1, -1)
-    control[anchors] = names
-    marked = rim[(origin[rim] >= 0) & (control[origin[rim]] >= 0)]
-    return Contour(surface, marked, control[origin[marked]], np.array(links, np.int64).reshape(-1, 2))
+            return
+        self._cut(path)
+        self._edges = self._edges.joined(edge)
+        self._joined[self._joined == other] = one
+        self._taken.add(link)
+        self._links.append((int(self._names[a]), int(self._names[b])))
+
+    def _cut(self, path: Indices) -> None:
+        opened, came_from = cut(self._surface, path)
+        self._surface, kept = passable(opened), self._origin[came_from]
+        self._origin = np.full(len(self._surface.points), -1)
+        self._origin[: len(kept)] = kept
+
+    def contour(self) -> Contour:
+        """The disk that is left; raises InputError where boundaries are left that nothing links."""
+        if len(np.unique(self._joined)) > 1:
+            raise InputError("a boundary cannot be linked to the others: its triangles are too few; refine the mesh")
+        rim, origin = boundary_loops(self._surface.triangles)[0].vertices, self._origin
+        control = np.full(origin.max() + 1, -1)
+        control[self._anchors] = self._names
+        marked = rim[(origin[rim] >= 0) & (control[origin[rim]] >= 0)]
+        return Contour(self._surface, marked, control[origin[marked]], np.array(self._links, np.int64).reshape(-1, 2))
 
 
 def _require_disk_with_holes(surface: ScoredSurface, loops: int) -> None:
