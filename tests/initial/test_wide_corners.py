@@ -5,11 +5,16 @@ import pytest
 import trimesh
 
 import subdfit
+from subdfit.fit.settings import FitSettings
+from subdfit.fit.starts import started
 from subdfit.initial.wide_corners import part_wide_corners
 from subdfit.limit.surface import LimitSurface
 from subdfit.limit.tessellate import lattice
+from subdfit.measure import Tolerance
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.mesh.topology import Topology
+from subdfit.target.frame import Frame
+from subdfit.target.target import mesh_target
 
 CORNERS = [[0, 0, 0], [4, 0, 0], [4, 1, 0], [1, 1, 0], [1, 4, 0], [0, 4, 0]]
 REFLEX = 3
@@ -77,6 +82,37 @@ def test_other_meshes_stay_what_they_are(corners) -> None:
     parted, within = part_wide_corners(mesh)
     assert parted is mesh
     assert len(within) == 0
+
+
+def test_corners_that_are_to_stay_whole_are_not_parted() -> None:
+    mesh = sheet(FAN)
+    assert part_wide_corners(mesh, [REFLEX])[0] is mesh
+
+
+def sawn_tube(around=32, rows=6):
+    """A tube of triangles, wider in its middle; its upper rim is a zigzag along their edges."""
+    row, k = np.divmod(np.arange(around * (rows + 1)), around)
+    turn, radius = 2 * np.pi * (k + row / 2) / around, 1 + 0.2 * np.sin(np.pi * row / rows)
+    points = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), row * np.pi * np.sqrt(3) / around])
+    at = np.arange(around * (rows + 1)).reshape(rows + 1, around)
+    here, beside, above = at[:-1], np.roll(at[:-1], -1, axis=1), at[1:]
+    across = np.stack([beside, np.roll(above, -1, axis=1), above], axis=2)[:-1]
+    return points, np.concatenate([np.stack([here, beside, above], axis=2).reshape(-1, 3), across.reshape(-1, 3)])
+
+
+@pytest.mark.parametrize("around", [16, 24, 32])
+def test_notches_of_a_zigzag_are_not_parted(around) -> None:
+    whole = mesh_target(*sawn_tube(around))
+    target = whole.normalised(Frame.of(whole.points))
+    settings = FitSettings(scheme="quad-triangle", method="lavoue", tolerance=Tolerance(max=0.01))
+    found, mesh = started(target, settings)
+    assert len(part_wide_corners(mesh)[1]) > 0
+    assert len(found.within) == len(mesh.topology.crease_edges) == 0
+
+
+def test_a_tube_with_a_sawn_rim_is_certified() -> None:
+    found = subdfit.fit(sawn_tube(), scheme="catmull-clark", method="lavoue", max_error="1%")
+    assert found.certified
 
 
 def angle():

@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from subdfit.errors import InputError
-from subdfit.target.curves import boundary_corners, boundary_edges, boundary_loops, curves, directions
+from subdfit.target.curves import boundary_corners, boundary_edges, boundary_loops, curves, directions, zigzag
 from subdfit.target.features import crease_edges
 
 
@@ -145,3 +145,27 @@ def test_a_ragged_boundary_has_no_corners():
     points = np.column_stack([*divmod(np.arange(31 * 31), 31), np.zeros(31 * 31)]).astype(float)
     assert len(edges) > 300
     assert len(boundary_corners(points, edges)) == 0
+
+
+def saw(teeth):
+    """A polygon with a row of teeth along its upper side, right to left, between two straight ends."""
+    x = np.arange(2 * teeth, -1, -1.0)
+    tips = np.column_stack([x, 3 + np.arange(len(x)) % 2])
+    return np.concatenate([[(0, 0), (2 * teeth, 0)], tips])
+
+
+def test_a_zigzag_is_found_where_three_turns_to_each_side_belong_to_it():
+    for flat in (saw(8), saw(8)[::-1]):
+        points = np.column_stack([flat, np.sin(flat[:, 0] / 9)])
+        inner = (flat[:, 1] >= 3) & (np.minimum(flat[:, 0], 16 - flat[:, 0]) >= 4)
+        assert zigzag(points, ring(len(points))).tolist() == np.flatnonzero(inner).tolist()
+
+
+COMB = [(0, 0), (7, 0), *((x, y) for k in (6, 4, 2, 0) for x, y in ((k + 1, 1), (k + 1, 3), (k, 3), (k, 1)))]
+
+
+@pytest.mark.parametrize("parts", [1, 2, 5])
+@pytest.mark.parametrize("corners", [COMB, [(0, 0), (4, 0), (4, 1), (1, 1), (1, 4), (0, 4)]])
+def test_corners_of_faces_are_no_zigzag(corners, parts):
+    flat = polygon(corners, parts)
+    assert len(zigzag(np.column_stack([flat, np.zeros(len(flat))]), ring(len(flat)))) == 0

@@ -18,6 +18,7 @@ from subdfit.initial.wide_corners import part_wide_corners
 from subdfit.limit.surface import LimitSurface
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.schemes import scheme_named
+from subdfit.target.curves import zigzag
 from subdfit.target.target import Target
 
 logger = logging.getLogger(__name__)
@@ -103,8 +104,11 @@ def _decimated(
 
 
 def _parted_corners(target: Target, mesh: ControlMesh) -> tuple[Target, ControlMesh]:
-    """The mesh with creases within wide corners, and the target with what they follow."""
-    mesh, within = part_wide_corners(mesh)
+    """The mesh with creases within wide corners, and the target with what they follow; a zigzag has no such corners."""
+    # Corners of a start are the target's own points.
+    teeth = set(map(tuple, target.points[zigzag(target.points, target.boundary_edges)].tolist()))
+    whole = [v for v, point in enumerate(mesh.points.tolist()) if tuple(point) in teeth]
+    mesh, within = part_wide_corners(mesh, whole)
     return target.creased_within(mesh.points[within]), mesh
 
 

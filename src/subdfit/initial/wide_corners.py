@@ -3,9 +3,11 @@
 The surface between two sharp curves that meet in a corner has their tangents there, or is drawn towards their sum.
 Where it is to fill more than a straight angle it folds over to the other side. Biermann, Levin and Zorin 2000 have
 rules of their own for such corners, which other programs would not know. One more sharp edge within leaves two corners
-that the common rules can fill; on a plane face nothing else shows of it.
+that the common rules can fill; on a plane face nothing else shows of it. The notches of a boundary that runs in a
+zigzag are wide as well, but no corners of a face: a crease from every one would cut what is smooth beyond into strips.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,15 +36,15 @@ class Spoke:
     angle: float
 
 
-def part_wide_corners(mesh: ControlMesh) -> tuple[ControlMesh, Pairs]:
+def part_wide_corners(mesh: ControlMesh, whole: Iterable[int] = ()) -> tuple[ControlMesh, Pairs]:
     """The control mesh with creases within corners that are wider than a straight angle, and the ends of these, (k, 2).
 
     Such a crease runs along a control edge, to another corner or to a vertex inside the surface; an edge that leads to
-    a smooth place of a curve is cut in its middle first, since a third sharp edge would make that place a corner. Where
-    no corner is so wide the mesh itself comes back.
+    a smooth place of a curve is cut in its middle first, since a third sharp edge would make that place a corner.
+    Vertices that are to stay `whole` are not parted. Where no other corner is so wide the mesh itself comes back.
     """
     parting = _Parting(mesh)
-    for v in parting.corners():
+    for v in sorted(parting.corners().difference(whole)):
         while (end := parting.way_within(v)) is not None:
             parting.sharpen(v, end)
     within = np.array(parting.within, np.int64).reshape(-1, 2)
@@ -66,9 +68,9 @@ class _Parting:
             for v in ring:
                 self._faces[v].add(k)
 
-    def corners(self) -> list[int]:
-        """Corners of curves, ascending."""
-        return [v for v in sorted(self._sharp) if self._kind(v) == CORNER]
+    def corners(self) -> set[int]:
+        """Corners of curves."""
+        return {v for v in self._sharp if self._kind(v) == CORNER}
 
     def _kind(self, v: int) -> int:
         count = len(self._sharp.get(v, ()))

@@ -37,6 +37,40 @@ class Curve:
         return pairs if self.closed else pairs[:-1]
 
 
+@dataclass(frozen=True)
+class _Turns:
+    """How a boundary turns at its points, (n,), and in a last row, (n + 1,), to which -1 leads, that stands for none.
+
+    Attributes
+    ----------
+    after, before : the next point and the last along its direction, -1 for none.
+    alone : (k,) int64, points through which it runs once; elsewhere there is no axis, and 180 degrees.
+    axis : (n + 1, 3), the direction about which it turns.
+    degrees : by which it turns.
+    """
+
+    after: NDArray[np.int64]
+    before: NDArray[np.int64]
+    alone: NDArray[np.int64]
+    axis: NDArray[np.float64]
+    degrees: NDArray[np.float64]
+
+    @classmethod
+    def along(cls, points: NDArray[np.float64], edges: NDArray[np.integer]) -> "_Turns":
+        """Those of directed edges (b, 2) between points (n, 3)."""
+        count = len(points)
+        after, before = np.full(count + 1, -1, np.int64), np.full(count + 1, -1, np.int64)
+        after[edges[:, 0]], before[edges[:, 1]] = edges[:, 1], edges[:, 0]
+        ends = np.bincount(edges.ravel(), minlength=count + 1)
+        alone = np.flatnonzero((ends == 2) & (after >= 0) & (before >= 0))
+        coming, going = points[alone] - points[before[alone]], points[after[alone]] - points[alone]
+        axis, degrees = np.zeros((count + 1, 3)), np.full(count + 1, 180.0)
+        axis[alone] = np.cross(coming, going)
+        across = np.linalg.norm(axis[alone], axis=1)
+        degrees[alone] = np.degrees(np.arctan2(across, np.einsum("kd,kd->k", coming, going)))
+        return cls(after, before, alone, axis, degrees)
+
+
 def boundary_edges(triangles: NDArray[np.integer]) -> NDArray[np.int64]:
     """Edges that belong to one triangle, (b, 2) int64, each in its triangle's direction."""
     sides = np.asarray(triangles, np.int64)[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
@@ -56,17 +90,11 @@ def boundary_corners(points: NDArray[np.float64], edges: NDArray[np.integer]) ->
     edges : (b, 2) int, rows of `points`: the boundary, directed.
     """
     count = len(points)
-    after, before = np.full(count, -1, np.int64), np.full(count, -1, np.int64)
-    after[edges[:, 0]], before[edges[:, 1]] = edges[:, 1], edges[:, 0]
-    ends = np.bincount(edges.ravel(), minlength=count)
-    turn = np.full(count + 1, 180.0)
-    alone = np.flatnonzero((ends == 2) & (after >= 0) & (before >= 0))
-    coming, going = points[alone] - points[before[alone]], points[after[alone]] - points[alone]
-    across = np.linalg.norm(np.cross(coming, going), axis=1)
-    turn[alone] = np.degrees(np.arctan2(across, np.einsum("kd,kd->k", coming, going)))
-    sharp = alone[turn[alone] >= _CORNER]
+    rim = _Turns.along(points, edges)
+    turn = rim.degrees
+    sharp = rim.alone[turn[rim.alone] >= _CORNER]
     corners = sharp
-    for neighbour in (after, before):
+    for neighbour in (rim.after, rim.before):
         at = corners
         for _ in range(_STRAIGHT):
             at = neighbour[at]
@@ -76,6 +104,25 @@ def boundary_corners(points: NDArray[np.float64], edges: NDArray[np.integer]) ->
     loop = connected_components(graph, directed=False)[1]
     turns, found = (np.bincount(loop[at], minlength=count) for at in (sharp, corners))
     return corners[found[loop[corners]] >= (1 - _STRAYS) * turns[loop[corners]]]
+
+
+def zigzag(points: NDArray[np.float64], edges: NDArray[np.integer]) -> NDArray[np.int64]:
+    """Points, (z,) int64 ascending, of a boundary in a zigzag, as a cut along the edges of a mesh leaves it.
+
+    They and three to each side are sharp turns, each to the other side than the one before: round the prongs of a comb
+    two go the same way. Arguments as in `boundary_corners`.
+    """
+    rim = _Turns.along(points, edges)
+    sharp, after = rim.degrees >= _CORNER, rim.after
+    opposed = sharp & sharp[after] & (np.einsum("kd,kd->k", rim.axis, rim.axis[after]) < 0)
+    between = opposed & opposed[rim.before]
+    found = between
+    for neighbour in (after, rim.before):
+        at = neighbour
+        for _ in range(_STRAIGHT - 1):
+            found = found & between[at]
+            at = neighbour[at]
+    return np.flatnonzero(found)
 
 
 def directions(points: NDArray[np.float64], edges: NDArray[np.integer]) -> NDArray[np.float64]:
