@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from shapes import parts
+from shapes import milled, parts
 from subdfit.errors import InputError
 from subdfit.target.features import mesh_edges
 from subdfit.target.segmentation import SegmentationSettings, segment_mesh
@@ -251,6 +251,15 @@ def test_a_crease_that_ends_just_short_of_the_rim_parts_a_face():
         assert labels.max() + 1 == count
         if count == 2:
             assert agreement(labels, (facets.centres[:, 1] > 10).astype(np.int64)) == 1
+
+
+@pytest.mark.parametrize("how", [{}, {"step": (0.2, 0.05)}, {"step": (0.05, 0.2)}, {"inside": False}])
+def test_every_face_of_a_milled_plate_is_a_region(how):
+    """Meshed evenly, stretched along either side, and with slivers from rim to rim."""
+    part = milled.milled_plate(**how)
+    found = segment_mesh(mesh_target(part.points, part.triangles))
+    assert found.count == milled.FACES == part.faces.max() + 1
+    assert agreement(found.labels, part.faces) == 1.0
 
 
 def test_points_are_refused():
