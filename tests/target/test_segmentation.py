@@ -5,14 +5,20 @@ from functools import cache
 import numpy as np
 import pytest
 import trimesh
+from scipy.spatial import cKDTree
 
 from shapes import milled, parts
+from shapes.drilled import drilled_block
 from subdfit.errors import InputError
-from subdfit.target.features import mesh_edges
+from subdfit.limit.curvature import unit
+from subdfit.mesh.short_edges import without_short_edges
+from subdfit.target.features import edges_among, mesh_edges
 from subdfit.target.segmentation import SegmentationSettings, segment_mesh
+from subdfit.target.segmentation_carrying import on_all_triangles
 from subdfit.target.segmentation_clusters import cluster, grow
 from subdfit.target.segmentation_facets import Facets
 from subdfit.target.segmentation_merging import Adjacency, absorb, merge_regions, renumbered
+from subdfit.target.segmentation_noise import noise_of, without_noise
 from subdfit.target.segmentation_rectification import border_costs, rectify
 from subdfit.target.segmentation_slivers import without_slivers
 from subdfit.target.segmentation_tips import across_necks
@@ -260,6 +266,80 @@ def test_every_face_of_a_milled_plate_is_a_region(how):
     found = segment_mesh(mesh_target(part.points, part.triangles))
     assert found.count == milled.FACES == part.faces.max() + 1
     assert agreement(found.labels, part.faces) == 1.0
+
+
+def noisy(points, share):
+    """Points with Gaussian noise in all directions, whose standard deviation is a share of the diagonal."""
+    diagonal = np.linalg.norm(np.ptp(points, axis=0))
+    return points + share * diagonal * np.random.default_rng(0).normal(size=points.shape), share * diagonal
+
+
+@pytest.mark.parametrize(
+    ("how", "share", "more", "alike"),
+    [({}, 0.0005, 0, 0.99), ({}, 0.001, 2, 0.96), ({"inside": False}, 0.0005, 2, 0.98)],
+)
+def test_noise_changes_hardly_a_face_of_a_milled_plate(how, share, more, alike):
+    part = milled.milled_plate(**how)
+    found = segment_mesh(mesh_target(noisy(part.points, share)[0], part.triangles))
+    assert milled.FACES <= found.count <= milled.FACES + more
+    assert agreement(found.labels, part.faces) > alike
+
+
+def test_noise_changes_no_face_of_a_drilled_block():
+    """The noise is a thirteenth of the edges' length; features lie where they were."""
+    points, triangles = drilled_block()
+    known = segment_mesh(mesh_target(points, triangles))
+    found = segment_mesh(mesh_target(noisy(points, 0.002)[0], triangles))
+    assert found.count == known.count == 7
+    assert agreement(found.labels, known.labels) > 0.99
+    tree = cKDTree(points[known.feature_edges].reshape(-1, 3))
+    assert tree.query(points[found.feature_edges].reshape(-1, 3))[0].max() < 0.11
+
+
+def test_noise_is_measured():
+    """To within a fifth where it is, and none where surfaces bend, have creases or are fine."""
+    part = milled.milled_plate()
+    ball = trimesh.creation.icosphere(4)
+    for points, triangles in ((part.points, part.triangles), (ball.vertices, ball.faces), parts.can()):
+        target = mesh_target(points, triangles)
+        assert noise_of(target.points, target.triangles, target.crease_edges) == 0
+        shaken, size = noisy(points, 0.001)
+        target = mesh_target(shaken, triangles)
+        assert noise_of(target.points, target.triangles, target.crease_edges) == pytest.approx(size, rel=0.2)
+
+
+def test_noise_is_taken_from_a_sphere():
+    """What is left of it is a third in distance and a quarter in direction."""
+    ball = trimesh.creation.icosphere(4)
+    shaken, size = noisy(ball.vertices, 0.002)
+    coarse = without_noise(shaken, ball.faces, np.empty((0, 2), np.int64), size)
+    before = trimesh.Trimesh(shaken, ball.faces, process=False)
+    after = trimesh.Trimesh(coarse.points, coarse.triangles, process=False)
+    off = [np.std(np.linalg.norm(mesh.vertices, axis=1)) for mesh in (before, after)]
+    turn = [
+        np.sqrt(np.mean(np.sum((mesh.face_normals - unit(mesh.triangles_center)) ** 2, axis=1)))
+        for mesh in (before, after)
+    ]
+    assert off[1] < off[0] / 3
+    assert turn[1] < turn[0] / 4
+
+
+def test_labels_and_features_are_carried_to_triangles_that_were_shrunk():
+    """A box most of whose edges go: no triangle is left without a side, and the features are the box's edges."""
+    mesh = trimesh.creation.box().subdivide().subdivide().subdivide()
+    points, triangles = np.array(mesh.vertices), np.asarray(mesh.faces)
+    edges = mesh_edges(points, triangles)
+    creases = edges.vertices[edges.angle > 45]
+    weights = np.ones(len(points))
+    weights[creases] = 1e6
+    coarse = without_short_edges(points, triangles, 0.13, weights)
+    assert 50 < len(coarse.rows) < len(triangles) / 2
+    side = np.argmax(np.abs(mesh.face_normals), axis=1) * 2 + (mesh.face_normals.sum(axis=1) > 0)
+    labels, features = on_all_triangles(points, triangles, coarse, side[coarse.rows], coarse.edges(creases))
+    assert agreement(labels, side) > 0.9
+    border = facets_of(points, triangles).borders(labels)
+    shared = edges_among(edges.vertices, features)
+    assert np.count_nonzero(border & shared) > 0.9 * np.count_nonzero(border)
 
 
 def test_points_are_refused():

@@ -15,9 +15,11 @@ from scipy.sparse.csgraph import connected_components
 from subdfit.errors import InputError
 from subdfit.target.bvh import TriangleTree
 from subdfit.target.features import automatic_creases, mesh_edges
+from subdfit.target.segmentation_carrying import on_all_triangles
 from subdfit.target.segmentation_clusters import cluster, grow
 from subdfit.target.segmentation_facets import Facets, Flags, Labels
 from subdfit.target.segmentation_merging import Adjacency, absorb, merge_regions
+from subdfit.target.segmentation_noise import noise_of, without_noise
 from subdfit.target.segmentation_planes import with_planes
 from subdfit.target.segmentation_rectification import border_costs, rectify
 from subdfit.target.segmentation_slivers import FOLDED, without_slivers
@@ -25,6 +27,8 @@ from subdfit.target.segmentation_tips import across_necks
 from subdfit.target.target import Target
 
 Floats = NDArray[np.float64]
+Triangles = NDArray[np.int32]
+Creases = NDArray[np.int64]
 
 _SPACING = 1.5
 _ROUNDS = 2
@@ -98,15 +102,28 @@ def segment_mesh(target: Target, settings: SegmentationSettings | None = None, *
     if not target.is_mesh:
         raise InputError("segmentation needs a mesh; reconstruct one from the points first")
     settings = settings or SegmentationSettings()
-    triangles = without_slivers(target.points, target.triangles)
-    changed = np.any(triangles != target.triangles, axis=1)
-    creases = target.crease_edges
+    points, triangles, creases = target.points, target.triangles, target.crease_edges
+    noise = noise_of(points, triangles, creases)
+    if noise == 0.0:
+        return _segment(points, triangles, creases, settings, find_creases)
+    coarse = without_noise(points, triangles, creases, noise)
+    creases = automatic_creases(coarse.points, coarse.triangles) if find_creases else coarse.edges(creases)
+    found = _segment(coarse.points, coarse.triangles, creases, settings, find_creases)
+    return Regions(*on_all_triangles(points, triangles, coarse, found.labels, found.feature_edges))
+
+
+def _segment(
+    points: Floats, triangles: Triangles, creases: Creases, settings: SegmentationSettings, find_creases: bool
+) -> Regions:
+    """Segment a mesh without noise."""
+    upright = without_slivers(points, triangles)
+    changed = np.any(upright != triangles, axis=1)
     if changed.any() and find_creases:
-        creases = automatic_creases(target.points, triangles)
-    facets = _facets(target.points, triangles, creases, settings.radius)
+        creases = automatic_creases(points, upright)
+    facets = _facets(points, upright, creases, settings.radius)
     labels = segment_facets(facets, settings)
     features = facets.edges.vertices[_features(facets, labels)]
-    return _on_target(target, facets, changed, labels, features)
+    return _on_target(triangles, facets, changed, labels, features)
 
 
 def segment_facets(facets: Facets, settings: SegmentationSettings) -> Labels:
@@ -148,7 +165,7 @@ def _without_hairs(facets: Facets, labels: Labels) -> Labels:
     return absorb(facets, labels, Adjacency.thickness, least, over_sharp=True)
 
 
-def _facets(points: Floats, triangles: NDArray[np.int32], creases: NDArray[np.int64], radius: float | None) -> Facets:
+def _facets(points: Floats, triangles: Triangles, creases: Creases, radius: float | None) -> Facets:
     edges = mesh_edges(points, triangles)
     key = np.array([len(points), 1])
     sharp = np.isin(edges.vertices @ key, np.sort(creases, axis=1) @ key) & (edges.valence == 2)
@@ -168,16 +185,16 @@ def _features(facets: Facets, labels: Labels) -> Flags:
     return between
 
 
-def _on_target(target: Target, facets: Facets, changed: Flags, labels: Labels, features: NDArray[np.int64]) -> Regions:
-    """Carry regions and features back to the target's own triangles, where needles were turned away."""
+def _on_target(triangles: Triangles, facets: Facets, changed: Flags, labels: Labels, features: Creases) -> Regions:
+    """Carry regions and features back to the triangles as they were before needles were turned away."""
     if not changed.any():
         return Regions(labels, features)
-    edges = mesh_edges(target.points, target.triangles)
-    key = np.array([len(target.points), 1])
+    edges = mesh_edges(facets.points, triangles)
+    key = np.array([len(facets.points), 1])
     ours, theirs, sharp = (ends @ key for ends in (edges.vertices, facets.edges.vertices, features))
-    own = replace(facets, triangles=target.triangles, edges=edges, sharp=np.isin(ours, sharp))
+    own = replace(facets, triangles=triangles, edges=edges, sharp=np.isin(ours, sharp))
     carried = labels.copy()
-    nearest = TriangleTree(target.points, facets.triangles).closest(own.centres[changed])
+    nearest = TriangleTree(facets.points, facets.triangles).closest(own.centres[changed])
     carried[changed] = labels[nearest.triangle]
     parts = own.connected(~own.borders(carried))
     carried = _without_hairs(own, _without_folds(own, parts))
