@@ -5,7 +5,9 @@ or not near each change: large batches are made while most of their changes stan
 stands or falls by itself. A mean is a matter of the whole:
 all control points move, and what the changes cost must sum to no more than there is room for.
 
-Where a largest error is asked, edges are first turned to follow the lines of curvature, if that brings the data nearer.
+Where a largest error is asked, edges are first turned to follow the lines of curvature, if that brings the data nearer;
+then faces are merged and edges collapsed by turns, until a whole turn keeps nothing. For a mean one turn does: edges
+first, since each leaves less and what there is room for is soon spent.
 """
 
 from collections.abc import Iterator
@@ -57,33 +59,49 @@ class Thinning:
     def lighter(self, state: FitState) -> Iterator[FitState]:
         """Ever lighter fits, both sides of each within tolerance, from one whose data are."""
         state = self._hold.settled(state)
-        for find, way in self._trials(state):
-            for lighter in self._thinned(state, find, way):
-                state = lighter
-                yield state
+        trials = [_Trials(find, way, state.surface.topology.vertex_count) for find, way in self._kinds(state)]
+        before = None
+        while before is not state:
+            before = state
+            for trial in trials:
+                for kept in trial.lighter(state):
+                    for one in trials:
+                        one.queue.changed(kept.rows, kept.near)
+                    state = kept.state
+                    yield state
+            if self._mean:
+                break
 
-    def _trials(self, state: FitState) -> list[tuple[Find, Way]]:
+    def _kinds(self, state: FitState) -> list[tuple[Find, Way]]:
         """Kinds of changes, and the ways in which they are tried, in their order."""
-        kinds: tuple[Find, ...] = (collapses,) if state.surface.scheme.faces == "triangles" else (collapses, merges)
+        kinds: tuple[Find, ...] = (collapses,)
+        if state.surface.scheme.faces != "triangles":
+            kinds = (collapses, merges) if self._mean else (merges, collapses)
         trials = list(product(kinds, self._ways))
         target = state.data.target
         if self._mean or target.cloud or not target.is_mesh:
             return trials
         return [(Alignment.of(target).turns, self._ways[-1]), *trials]
 
-    @staticmethod
-    def _thinned(state: FitState, find: Find, way: Way) -> Iterator[FitState]:
-        """Ever lighter fits by changes of one kind, until several trials in sequence keep none."""
-        queue, fruitless = Queue(find, state.surface.topology.vertex_count), 0
-        while fruitless < way.patience:
+
+class _Trials:
+    """Changes of one kind, tried in one way; what was tried once is not tried again."""
+
+    def __init__(self, find: Find, way: Way, count: int) -> None:
+        self.queue = Queue(find, count)
+        self._way = way
+
+    def lighter(self, state: FitState) -> Iterator[Kept]:
+        """Ever lighter fits, until several trials in sequence keep nothing; each goes on from the one before."""
+        fruitless = 0
+        while fruitless < self._way.patience:
             edits = PolygonEdits(state.surface.control_mesh)
-            changes = way.chosen(state, edits, queue.cheapest(state.surface, edits))
+            changes = self._way.chosen(state, edits, self.queue.cheapest(state.surface, edits))
             if not changes:
                 break
-            queue.tried(changes)
-            kept = way.kept(state, changes)
+            self.queue.tried(changes)
+            kept = self._way.kept(state, changes)
             fruitless += 1
             if kept is not None:
-                queue.changed(kept.rows, kept.near)
                 state, fruitless = kept.state, 0
-                yield state
+                yield kept
