@@ -76,3 +76,23 @@ def test_a_lighter_fit_is_certified_like_any_other() -> None:
     assert t.vertex_count < plain.control_mesh.topology.vertex_count
     assert t.vertex_count - t.edge_count + t.face_count == 0
     assert thin.history[-1].control_vertices == t.vertex_count
+
+
+def flat(parts: int) -> tuple[np.ndarray, np.ndarray]:
+    """A sheet of 3 by 2 in so many by so many squares, each cut in two."""
+    plan = np.stack(np.meshgrid(np.linspace(0, 3, parts + 1), np.linspace(0, 2, parts + 1), indexing="ij"), -1)
+    at = np.arange((parts + 1) ** 2).reshape(parts + 1, parts + 1)
+    a, b, c, d = at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]
+    triangles = np.concatenate([np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)])
+    return np.pad(plan.reshape(-1, 2), ((0, 0), (0, 1))), triangles
+
+
+@pytest.mark.parametrize("scheme", ["quad-triangle", "catmull-clark"])
+@pytest.mark.parametrize("method", ["tangent", "lavoue"])
+def test_a_sheet_ends_as_one_face_and_a_box_as_six(scheme: str, method: str) -> None:
+    box = trimesh.creation.box((3, 2, 1)).subdivide_to_size(0.3)
+    for mesh, vertices, faces in ((flat(12), 4, 1), ((np.asarray(box.vertices), np.asarray(box.faces)), 8, 6)):
+        found = subdfit.fit(mesh, scheme=scheme, method=method, thin=True, max_error="0.5%")
+        assert found.certified
+        topology = found.control_mesh.topology
+        assert (topology.vertex_count, topology.face_count) == (vertices, faces)
