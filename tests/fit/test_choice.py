@@ -7,7 +7,7 @@ import trimesh
 import subdfit
 from shapes.drilled import drilled_block
 from subdfit.api.triangulate import triangles_of
-from subdfit.fit.choice import suits_lavoue
+from subdfit.fit.choice import MOSTLY, suits_lavoue
 from subdfit.fit.driver import METHODS, fit_target
 from subdfit.fit.lavoue import CURVES, Lavoue
 from subdfit.fit.settings import FitSettings
@@ -57,6 +57,16 @@ def test_a_part_with_many_sharp_edges_begins_with_its_own_faces(drilled, scheme)
     assert other.certified
     assert other.settings.method == "tangent"
     assert chosen.control_mesh.topology.vertex_count < other.control_mesh.topology.vertex_count
+
+
+def test_noise_does_not_bend_a_part(drilled):
+    points, triangles = drilled
+    shaken = points + 0.002 * np.linalg.norm(np.ptp(points, axis=0)) * np.random.default_rng(0).normal(
+        size=points.shape
+    )
+    target = mesh_target(shaken, triangles)
+    assert sharp_share(shaken, triangles, target.crease_edges) < MOSTLY
+    assert suits_lavoue(target, FitSettings("quad-triangle"))
 
 
 @pytest.mark.parametrize("name", ["fandisk", "block", "casting", "mechpart"])

@@ -2,7 +2,8 @@
 
 from subdfit.fit.lavoue import SCHEMES
 from subdfit.fit.settings import FitSettings
-from subdfit.target.features import sharp_share
+from subdfit.target.features import automatic_creases, sharp_share
+from subdfit.target.segmentation_noise import noise_of, without_noise
 from subdfit.target.target import Target
 
 MOSTLY = 0.5
@@ -15,4 +16,10 @@ def suits_lavoue(target: Target, settings: FitSettings) -> bool:
     possible = settings.scheme in SCHEMES and settings.control_vertices is None and not target.cloud
     if not possible or len(target.crease_edges) == 0:
         return False
-    return sharp_share(target.points, target.triangles, target.crease_edges) >= MOSTLY
+    points, triangles, creases = target.points, target.triangles, target.crease_edges
+    if noise := noise_of(points, triangles, creases):
+        # Noise bends every edge, and makes creases of some.
+        smooth = without_noise(points, triangles, creases, noise)
+        points, triangles = smooth.points, smooth.triangles
+        creases = automatic_creases(points, triangles)
+    return sharp_share(points, triangles, creases) >= MOSTLY
