@@ -14,12 +14,11 @@ from subdfit.target.normals import face_normals
 
 MIXED = 0.0005
 """Share of the surface that faces the wrong way from which, if it does after a round of a fit as well, the control mesh
-is too coarse there to part the sheets. Of nine models, sound starts left so much at most, and those whose fits could
-not be certified .002 and more."""
+is too coarse there to part the sheets. Of nine models, judged by chords across quarters of cells, sound starts left so
+much at most, and those whose fits could not be certified .002 and more."""
 AGAINST = -0.25
 """Cosine between normals below which a place faces the wrong way: beside a sharp edge the other face, at a right angle,
-may be the nearest.
-"""
+may be the nearest."""
 REACH = 3.0
 """Within how many cell sides of such places it is made finer: the sheets on both sides, and what leads up to them."""
 
