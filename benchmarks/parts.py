@@ -106,7 +106,7 @@ def curves() -> str:
             found = fit_loop(target, 5e-3 * diagonal)
             clock = time.process_time() - clock
             removal = "-"
-            if not found.corners.any() and len(found.points) < 12:
+            if not found.corners.any():
                 left = knots_removed(target, 5e-3 * diagonal, begin=len(found.points) + 5)
                 removal = str(len(left.curve.points))
             counts = [str(len(target.points)), str(found.corners.sum()), str(len(found.points)), removal]

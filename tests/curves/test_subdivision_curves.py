@@ -150,6 +150,16 @@ def test_no_more_control_points_than_knot_removal_leaves(target):
     assert len(found.curve.points) <= len(knots_removed(target, tolerance, begin=9).curve.points)
 
 
+def test_bends_that_the_curvature_hardly_shows_get_control_points_too(meshes):
+    """The outline of holes, 136 points: placed by its curvature alone 34 are needed, removal of knots leaves 17."""
+    data = subdfit.read(meshes / "holes.ply")
+    outline = boundary_loops(data.face_vertices.reshape(-1, 3))[0]
+    diagonal = np.linalg.norm(np.ptp(data.points, axis=0))
+    found = fit_curve(Polyline(data.points[outline.vertices], closed=True), 5e-3 * diagonal)
+    assert found.error <= 5e-3 * diagonal
+    assert len(found.curve.points) <= 18
+
+
 @pytest.mark.parametrize("target", [circle(100), ellipse(), damped_wave()], ids=["circle", "ellipse", "wave"])
 def test_the_geometric_algorithm_fits_curves(target):
     begin, tolerance = np.linspace(0, target.total, 6), 5e-4 * target.total
@@ -207,3 +217,5 @@ def test_bad_curves_are_refused():
         SubdivisionCurve(np.zeros((2, 3)), closed=True)
     with pytest.raises(InputError, match="tolerance"):
         fit_curve(circle(9), 0.0)
+    with pytest.raises(InputError, match="open"):
+        fit_loop(Polyline(circle(9).points, closed=False), 0.1)

@@ -1,5 +1,7 @@
 """Enrichment, and the nested loop on open surfaces."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 import trimesh
@@ -159,6 +161,43 @@ def test_a_roof_keeps_its_ridge(scheme):
     limit = subdfit.subdivide(found.mesh, 3, limit=True)
     crease = limit.points[limit.topology.ends(limit.topology.crease_edges)]
     assert np.abs(crease[:, :, 0] - 0.5).max() < 1 / 60  # a cell of the target
+
+
+@pytest.mark.parametrize("turned", list(product(range(4), repeat=3)))
+def test_however_rings_begin_each_cut_side_gets_a_spoke(turned):
+    """Five quads in a row: a middle that neither side joined to its new vertex would have two faces."""
+    quads = [[2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1] for k in range(5)]
+    for k, by in enumerate(turned, 1):
+        quads[k] = quads[k][by:] + quads[k][:by]
+    strip = Topology.from_faces(4 * np.arange(6), np.concatenate(quads), 12)
+    mesh = ControlMesh(strip, np.array([(x, y, 0.0) for x in range(6) for y in range(2)]), "quad-triangle")
+    faces = Faces.of(mesh)
+    faces.enrich_each([0, 1, 2, 3, 4])
+    found = faces.frozen(mesh)
+    assert found.topology.vertex_count == 12 + 5 + 4
+    assert subdfit.LimitSurface(found).tessellate(1).triangles.shape[1] == 3
+    t = found.topology
+    valence = np.bincount(t.edge_vertices.ravel(), minlength=t.vertex_count)
+    inner = np.setdiff1d(np.arange(t.vertex_count), t.edge_vertices[t.boundary_edges])
+    assert valence[inner].min() >= 3
+
+
+def test_a_ring_of_a_fillet_is_fitted():
+    """An open surface of two boundaries, all of whose first faces are to be enriched."""
+    around, up = 2 * np.pi * np.arange(48) / 48, np.linspace(0, np.pi / 2, 12)
+    radius = 1.3 - 0.3 * np.cos(up)[:, None]
+    height = np.repeat(0.3 * np.sin(up), 48).reshape(12, 48)
+    points = np.stack([radius * np.cos(around), radius * np.sin(around), height], -1).reshape(-1, 3)
+    at = np.arange(12 * 48).reshape(12, 48)
+    a, b = at[:-1], np.roll(at, -1, axis=1)[:-1]
+    c, d = np.roll(at, -1, axis=1)[1:], at[1:]
+    triangles = np.concatenate([np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)])
+    diagonal = np.linalg.norm(np.ptp(points, axis=0))
+    fits = [fit_loop(Polyline(points[x.vertices], closed=True), 0.01 * diagonal) for x in boundary_loops(triangles)]
+    start = boundary_start(points, triangles, [BoundaryPolygon(f.points, f.corners, f.limits) for f in fits])
+    found = fit_open(start, mesh_target(points, triangles), curvature_field(points, triangles))
+    assert found.within
+    assert len(found.mesh.points) <= 20
 
 
 def test_faces_that_form_no_disk_are_not_merged():

@@ -125,3 +125,7 @@ def test_bad_calls_are_refused():
         optimise(mesh, point_target(mesh.points), field)
     with pytest.raises(InputError, match="metric"):
         optimise(mesh, target, field, metric="chamfer")
+    with pytest.raises(InputError, match="rounds"):
+        optimise(mesh, target, field, rounds=-1)
+    with pytest.raises(InputError, match="fixed"):
+        optimise(mesh, target, field, fixed=np.ones(3, np.bool_))

@@ -297,6 +297,12 @@ def test_what_cannot_be_cut_is_refused():
     points, triangles = plate([])
     with pytest.raises(InputError, match="polygons"):
         boundary_start(points, triangles, [])
+    with pytest.raises(InputError, match="closed"):
+        boundary_start(ball.vertices, ball.faces, [])
+    with pytest.raises(InputError, match="paths"):
+        boundary_start(points, triangles, [], paths="straight")
+    with pytest.raises(InputError, match="most_corners"):
+        boundary_start(points, triangles, [], most_corners=2)
 
 
 @pytest.mark.parametrize(("turn", "inner"), [(1.5, 0.8), (2.6, 0.6)])

@@ -28,6 +28,12 @@ _EVENNESS = 0.05
 """Share of control points that are spread evenly along the arc, whatever the curvature."""
 _PLACEMENTS = ((0.5, 0.0), (0.25, 0.0), (0.5, 0.3), (0.25, 0.6))
 """Power of the curvature, and share drawn to the ends, of the placements that are tried."""
+_MANY = 12
+"""Control points from which on others are placed where the curve is farthest off, beginning with half as many."""
+_VAIN = 8
+"""Control points in a row that bring the curve no nearer, before giving up."""
+_FINE = 16
+"""Samples of the curve a control segment where its error is measured."""
 _IDLE = 4
 """Control points whose removal is tried at the end."""
 _END = 0.5
@@ -84,7 +90,8 @@ def fit_curve(
     -------
     CurveFit
         One that meets the tolerance while one control point fewer does not, by doubling and bisection from a straight
-        line or a triangle; where `most` control points do not, the best.
+        line or a triangle, or, where these are many, by growing where it is farthest off; where `most` control points
+        do not, the best.
     """
     if not tolerance > 0:
         raise InputError(f"the tolerance of a curve is {tolerance}; give a positive length")
@@ -102,7 +109,38 @@ def fit_curve(
         middle = (low + high) // 2
         tried = _placed(target, middle, how)
         low, high, found = (low, middle, tried) if tried.error <= tolerance else (middle, high, found)
+    if not quick and high > _MANY:
+        found = _grown(target, high - 1, tolerance, how) or found
     return _without_idle(target, found, tolerance, how)
+
+
+def _grown(target: Polyline, most: int, tolerance: float, how: _Effort) -> CurveFit | None:
+    """A curve that gets control points one by one where it is farthest off; None where `most` do not do.
+
+    Where the curvature that is seen tells little of the curvature that is there, it needs fewer.
+    """
+    fit = best = _placed(target, _MANY // 2, how)
+    vain = 0
+    while fit.error > tolerance and vain < _VAIN and len(fit.curve.points) < most:
+        fit = _minimised(target, _with_one_more(target, fit.curve), how)
+        vain = 0 if fit.error < best.error else vain + 1
+        best = min(best, fit, key=lambda one: one.error)
+    return fit if fit.error <= tolerance else None
+
+
+def _with_one_more(target: Polyline, curve: SubdivisionCurve) -> SubdivisionCurve:
+    """The curve with a control point in the middle of the two between which it is farthest from the target."""
+    fine = curve.polyline(_FINE)
+    drawn = Polyline(fine, curve.closed)
+    arcs, there = drawn.closest(target.points)
+    _, back = target.closest(fine)
+    at = int(np.argmax(back))
+    if there.max() > back.max():
+        at = int(np.searchsorted(np.cumsum(drawn.lengths), arcs[np.argmax(there)]))
+    before = min(at // _FINE, curve.length - 1)
+    after = (before + 1) % len(curve.points)
+    middle = (curve.points[before] + curve.points[after]) / 2
+    return SubdivisionCurve(np.insert(curve.points, before + 1, middle, axis=0), curve.closed)
 
 
 def _without_idle(target: Polyline, fit: CurveFit, tolerance: float, how: _Effort) -> CurveFit:
@@ -223,7 +261,7 @@ def _stiffness(count: int, closed: bool, samples: float) -> Floats:
 
 def two_sided_error(target: Polyline, curve: SubdivisionCurve) -> float:
     """Largest distance of the target's points from the curve, and of fine samples of the curve from the target."""
-    fine = curve.polyline(16)
+    fine = curve.polyline(_FINE)
     drawn = Polyline(fine, curve.closed)
     _, there = drawn.closest(target.points)
     _, back = target.closest(fine)

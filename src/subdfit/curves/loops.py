@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from subdfit.curves.fitting import fit_curve, fit_with, two_sided_error
 from subdfit.curves.polyline import Polyline
 from subdfit.curves.subdivision_curve import SubdivisionCurve
+from subdfit.errors import InputError
 
 Floats = NDArray[np.float64]
 
@@ -48,7 +49,14 @@ def fit_loop(target: Polyline, tolerance: float, *, least: int = 3) -> FittedLoo
     -------
     FittedLoop
         Begins at the first sharp point, if there is one.
+
+    Raises
+    ------
+    InputError
+        The polyline is open, or the tolerance not positive.
     """
+    if not target.closed:
+        raise InputError("the polyline is open; give a closed one, or fit it with fit_curve")
     cuts = target.sharp_points()
     if len(cuts) == 0:
         fit = fit_curve(target, tolerance)

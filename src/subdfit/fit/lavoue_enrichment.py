@@ -72,15 +72,14 @@ class Faces(FaceRings):
         for edge in middle.keys() & self.creases.keys():
             sharpness = self.creases.pop(edge)
             self.creases |= {frozenset((end, middle[edge])): sharpness for end in edge}
-        fresh: list[Ring] = []
+        # A middle without a spoke from either side would be a vertex of two faces.
+        cuts, fresh = set(middle.values()), list[Ring]()
         for k in chosen:
             loop: Ring = []
             for a, b in ring_sides(self.rings[k]):
                 loop += [a, *([middle[frozenset((a, b))]] if frozenset((a, b)) in middle else [])]
             self.points.append(np.mean([self.points[v] for v in self.rings[k]], axis=0))
-            cut = [i for i, v in enumerate(loop) if v in middle.values()]
-            begin = cut[0] if cut else 0
-            fresh += fan([*loop[begin:], *loop[:begin]], len(self.points) - 1)
+            fresh += fan(loop, len(self.points) - 1, cuts & set(loop))
         self._replace(chosen, fresh)
 
     def _replace(self, gone: list[int], by: list[Ring]) -> None:

@@ -92,12 +92,18 @@ def optimise(
     Raises
     ------
     InputError
-        The target is a point cloud, or the metric unknown.
+        The target is a point cloud, the metric unknown, rounds below 0, or `fixed` not one flag a control point.
     """
     if not target.is_mesh:
         raise InputError("samples are projected to a target's faces, and it has none; use another method for points")
     if metric not in ("squared-distance", "point"):
         raise InputError(f"metric is '{metric}'; give squared-distance or point")
+    if rounds < 0:
+        raise InputError(f"rounds is {rounds}; give 0 or more")
+    if fixed is not None and np.shape(fixed) != (len(mesh.points),):
+        raise InputError(
+            f"fixed has the shape {np.shape(fixed)} for {len(mesh.points)} control points; give one flag each"
+        )
     C = refined_limit_rows(mesh.topology, scheme_named(mesh.scheme or "loop"), levels)
     free = np.ones(len(mesh.points), np.bool_) if fixed is None else ~fixed
     points = best = mesh.points

@@ -5,6 +5,7 @@ Lavoué, Dupont and Baskurt 2007, section 4.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,13 +61,19 @@ def boundary_start(
     Raises
     ------
     InputError
-        The surface is closed or has handles, or there are too few control points for its holes.
+        The surface is closed or has handles, there are too few control points for its holes, or an option cannot be.
     """
+    if paths not in get_args(Paths):
+        raise InputError(f"paths is '{paths}'; choose {' or '.join(get_args(Paths))}")
+    if most_corners < 3:
+        raise InputError(f"most_corners is {most_corners}; give 3 or more")
     used, rows = np.unique(triangles, return_inverse=True)
     points, triangles = points[used], rows.reshape(-1, 3)
     loops = boundary_loops(triangles)
     if len(loops) != len(polygons):
         raise InputError(f"{len(polygons)} polygons for {len(loops)} boundaries; give one each")
+    if not loops:
+        raise InputError("the surface is closed; segment it into open patches first")
     surface = ScoredSurface(points, triangles, curvature_field(points, triangles, radius), paths)
     anchors = np.concatenate([_anchors(points, loop.vertices, p) for loop, p in zip(loops, polygons, strict=True)])
     loop_of = np.repeat(np.arange(len(polygons)), [len(p.points) for p in polygons])
