@@ -89,9 +89,8 @@ def fit_curve(
     Returns
     -------
     CurveFit
-        One that meets the tolerance while one control point fewer does not, by doubling and bisection from a straight
-        line or a triangle, or, where these are many, by growing where it is farthest off; where `most` control points
-        do not, the best.
+        One that meets the tolerance, by doubling and bisection from a straight line or a triangle, and, where that
+        takes many control points, by growing where it is farthest off; where `most` control points do not, the best.
     """
     if not tolerance > 0:
         raise InputError(f"the tolerance of a curve is {tolerance}; give a positive length")
