@@ -83,6 +83,20 @@ def test_automatic_creases_follow_scale_and_rotation():
     np.testing.assert_array_equal(automatic_creases(turned, mesh.faces), rims)
 
 
+def test_length_counts_in_automatic_creases_and_not_how_many_edges():
+    x = np.concatenate([[0.0], 20.0 + np.arange(25), [64.0]])
+    slope = np.clip(0.14 * np.abs(x - 32.0) - 0.68, 0.3, 1.0)
+    ridge = np.stack([np.repeat(x, 3), np.tile([-0.5, 0.0, 0.5], len(x)), np.zeros(3 * len(x))], axis=1)
+    ridge[:, 2] = -np.repeat(slope, 3) * np.abs(ridge[:, 1])
+    corner = 3 * np.arange(len(x) - 1)[:, None] + np.arange(2)
+    quads = np.stack([corner, corner + 3, corner + 4, corner + 1], axis=-1).reshape(-1, 4)
+    faces = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    angles = mesh_edges(ridge, faces).angle
+    assert np.median(angles[angles > 25]) < 40
+    found = automatic_creases(ridge, faces)
+    assert set(map(tuple, found.tolist())) >= {(3 * k + 1, 3 * k + 4) for k in range(len(x) - 1)}
+
+
 @pytest.mark.parametrize("noise", [0.0, 0.1, 0.3, 0.6])
 def test_smooth_and_noisy_surfaces_have_no_automatic_creases(noise):
     mesh = trimesh.creation.icosphere(4)

@@ -12,15 +12,19 @@ from subdfit.target.normals import face_normals
 _WEAK = 25.0
 """Degrees from which an edge may belong to an automatic crease."""
 _STRONG = 40.0
-"""Degrees that half of the edges of an automatic crease reach."""
+"""Degrees that half of the length of an automatic crease reaches."""
 _TURN = 50.0
 """Degrees by which an automatic crease may turn at a vertex."""
 _CONTRAST = 10.0
 """How many times the mean angle of the smooth edges beside it an automatic crease bends."""
 _STRAYS = 0.2
-"""Share of the edges beside an automatic crease that may reach the weak angle and belong to no crease."""
+"""Share of the length of the edges beside an automatic crease that may reach the weak angle and belong to no crease."""
 _FEWEST = 8
 """Edges of the smallest network of automatic creases, such as those round a coarse bore."""
+_ROUNDING = 1e-9
+"""Share of a path's length by which a sum of lengths may be off its half."""
+
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -144,11 +148,11 @@ def automatic_creases(points: NDArray[np.float64], triangles: NDArray[np.integer
     """Edges that are surely sharp: few on a machined part are missed, none is found in noise.
 
     Edges above a weak angle are joined to paths where they continue one another smoothly. A path is a
-    crease when its median angle is strong and is many times the mean angle of the smooth edges of the
-    triangles along it, since tight curvature bends those too; and when few edges there reach the weak
-    angle without belonging to a crease, as they do in noise. For the latter all paths are taken for
-    creases first, and as some drop out they count against their neighbours, until none drops out. Of
-    the networks that the rest form, those of a few edges only are dropped as chance.
+    crease when the median angle along its length is strong and is many times the mean angle of the smooth
+    edges of the triangles along it, since tight curvature bends those too; and when few edges there, by
+    length, reach the weak angle without belonging to a crease, as they do in noise. For the latter all
+    paths are taken for creases first, and as some drop out they count against their neighbours, until none
+    drops out. Of the networks that the rest form, those of a few edges only are dropped as chance.
 
     Parameters
     ----------
@@ -160,13 +164,14 @@ def automatic_creases(points: NDArray[np.float64], triangles: NDArray[np.integer
     (c, 2) int64, rows of `points`.
     """
     edges = mesh_edges(points, triangles)
+    lengths = np.linalg.norm(np.diff(points[edges.vertices], axis=1)[:, 0], axis=1)
     weak = np.flatnonzero(edges.angle >= _WEAK)
     if len(weak) == 0:
         return np.empty((0, 2), np.int64)
     path = _smooth_paths(points, edges.vertices[weak])
     sharp = np.ones(len(weak), np.bool_)
     while True:
-        left = sharp & _stands_out(edges, weak, path, weak[sharp])[path]
+        left = sharp & _stands_out(edges, lengths, weak, path, weak[sharp])[path]
         if np.array_equal(left, sharp):
             break
         sharp = left
@@ -199,23 +204,37 @@ def _smooth_paths(points: NDArray[np.float64], ends: NDArray[np.int64]) -> NDArr
 
 
 def _stands_out(
-    edges: Edges, members: NDArray[np.int64], path: NDArray[np.int32], sharp: NDArray[np.int64]
+    edges: Edges, lengths: Floats, members: NDArray[np.int64], path: NDArray[np.int32], sharp: NDArray[np.int64]
 ) -> NDArray[np.bool_]:
     """Tell which paths are strong and run through a smooth surface, given all the `sharp` edges."""
     beside = edges.of_face[edges.faces[members]].reshape(len(members), 6)
     smooth = (edges.angle < _WEAK) & (edges.valence == 2)
     stray = edges.angle >= _WEAK
     stray[sharp] = False
-    total = np.bincount(path, np.sum(edges.angle[beside] * smooth[beside], axis=1))
-    seen = np.bincount(path, np.sum(smooth[beside], axis=1))
-    strays = np.bincount(path, np.sum(stray[beside], axis=1))
-    roughness = np.divide(total, seen, out=np.full(len(seen), np.inf), where=seen > 0)
-    angle = edges.angle[members]
-    length = np.bincount(path)
-    median = angle[np.lexsort((angle, path))][np.cumsum(length) - length + (length - 1) // 2]
+
+    def along(values: Floats) -> Floats:
+        """Sum over the sides of the triangles along each path."""
+        return np.asarray(np.bincount(path, np.sum(values[beside], axis=1)), float)
+
+    seen = along(smooth.astype(float))
+    roughness = np.divide(along(edges.angle * smooth), seen, out=np.full(len(seen), np.inf), where=seen > 0)
+    median = _medians(edges.angle[members], lengths[members], path)
     stands_out: NDArray[np.bool_] = (median >= _STRONG) & (median >= _CONTRAST * roughness)
-    stands_out &= strays <= _STRAYS * (seen + strays)
+    strays = along(lengths * stray)
+    stands_out &= strays <= _STRAYS * (along(lengths * smooth) + strays)
     return stands_out
+
+
+def _medians(values: Floats, weights: Floats, group: NDArray[np.integer]) -> Floats:
+    """The least value of each group, 0..g - 1, that half of its weight does not exceed, (g,)."""
+    order = np.lexsort((values, group))
+    weight = np.bincount(group, weights)
+    begin = np.cumsum(weight) - weight
+    below = np.cumsum(weights[order]) - begin[group[order]]
+    reached = np.where(below >= (0.5 - _ROUNDING) * weight[group[order]], values[order], np.inf)
+    least = np.full(len(weight), np.inf)
+    np.minimum.at(least, group[order], reached)
+    return least
 
 
 def _components(one: NDArray[np.integer], other: NDArray[np.integer], size: int) -> tuple[int, NDArray[np.int32]]:
