@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import trimesh
 from tests.shapes.zoo import octahedron_data, pyramid_data
 
 import subdfit
@@ -75,3 +76,13 @@ def test_a_surface_that_faces_the_wrong_way(spent, status, verdict):
 
 def test_what_was_interrupted_needs_no_remedy(spent):
     assert remedy(replace(spent, status="interrupted")) is None
+
+
+@pytest.mark.parametrize(("ask", "told"), [("0.1%", True), ("3%", False)])
+def test_a_certificate_that_coarse_facets_weaken_says_so(ask, told):
+    sphere = trimesh.creation.icosphere(2)
+    found = subdfit.fit((sphere.vertices, sphere.faces), max_error=ask)
+    assert found.certified
+    assert told == (found.measurement.reverse_max > 2 * found.settings.tolerance.max)
+    assert told == (remedy(found) is not None)
+    assert not told or "give a finer mesh" in fit_line(found)

@@ -1,4 +1,4 @@
-"""What may help a fit that is not certified: one remedy, where it applies."""
+"""What may help a fit that is not certified, or only as far as a coarse mesh goes: one remedy, where it applies."""
 
 import numpy as np
 
@@ -15,13 +15,17 @@ SHARP = 30.0
 """Degrees by which an edge bends that may be meant to be sharp."""
 SPENT = 0.95
 """Share of the budget of control vertices from which a fit has run into it: no batch of splits fits into the rest."""
+GRANTED = 1.0
+"""Tolerances by which a certified surface may stray beyond its own, for the mesh's facets, before it is told."""
 MANY_LOOPS, SHORT_LOOP = 12, 30
 """So many boundary loops of at most so many edges are the holes of a scan rather than a part's own."""
 
 
 def remedy(result: FitResult) -> str | None:
-    """The first remedy that applies to a fit; None where it is certified or was interrupted, or none does."""
-    if result.certified or result.status == "interrupted":
+    """The first remedy that applies to a fit; None where it was interrupted or none does."""
+    if result.certified:
+        return _of_coarse_facets(result)
+    if result.status == "interrupted":
         return None
     target = result.target
     assert target is not None
@@ -39,6 +43,20 @@ def remedy(result: FitResult) -> str | None:
     if spent:
         return f"{counted(data, 'data point')} allow no more control vertices: ask for a larger error or give more data"
     return None
+
+
+def _of_coarse_facets(result: FitResult) -> str | None:
+    """What helps where the surface strays further for the mesh's facets than was asked; None where it does not."""
+    asked, target = result.settings.tolerance.max, result.target
+    if asked is None or target is None or not target.is_mesh or target.cloud:
+        return None
+    granted = result.measurement.reverse_max - asked
+    if granted <= GRANTED * asked:
+        return None
+    return (
+        f"{100 * granted:.2g} % of the reverse error is granted to the mesh's facets: "
+        "give a finer mesh, or name sharp edges (--creases)"
+    )
 
 
 def _worst_is_sharp(result: FitResult, target: Target) -> bool:
