@@ -20,7 +20,7 @@ from subdfit.fit.held import boundary_held
 from subdfit.fit.lavoue import Lavoue
 from subdfit.fit.result import FitResult, Iteration, Status
 from subdfit.fit.settings import FitSettings
-from subdfit.fit.starts import Start, own_start, parted, started
+from subdfit.fit.starts import Start, begun_finer, own_start, parted, started
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import badness, error_that_matters, surface_within, within
 from subdfit.fit.tangential import Tangential
@@ -199,13 +199,8 @@ def fit_target(
         if own is not None and (own.certified or own.status == "interrupted"):
             return own
         logger.info("the part's own faces and edges gave no certified fit; its mesh is decimated instead")
-    try:
-        found = _fitted(_Run(target, settings, progress), unit)
-    except KeyboardInterrupt:
-        if own is None:
-            raise
-        return replace(own, status="interrupted")
-    return found if own is None or found.certified or own.status != "within_tolerance" else own
+    run = _Run(target, settings, progress)
+    return _fitted(run, unit) if own is None else _preferred(own, lambda: _fitted(run, unit))
 
 
 def _fitted_from_own_faces(run: _Run, unit: str | None) -> FitResult | None:
@@ -225,7 +220,29 @@ def _fitted(run: _Run, unit: str | None) -> FitResult:
     state = _first_state(run)
     with run.timed("footpoints"):
         start = parted(state, run.settings, run.fitter)
-    return _advanced(run, start, unit)
+    found = _advanced(run, start, unit)
+    if found.certified or found.status != "within_tolerance" or run.best is None:
+        return found
+    finer = begun_finer(run.best, run.settings)
+    if finer is None:
+        return found
+    logger.info("sheets fell together; the fit begins again with more control vertices there")
+    again = _Run(run.target, run.settings, run.callback)
+    return _preferred(found, lambda: _advanced(again, Start(finer, again.fitter(), None), unit))
+
+
+def _preferred(found: FitResult, other: Callable[[], FitResult]) -> FitResult:
+    """The result of another fit, or the one that is there if it is within tolerance and the other not certified.
+
+    Ctrl-C in the other leaves the one that is there.
+    """
+    try:
+        result = other()
+    except KeyboardInterrupt:
+        return replace(found, status="interrupted")
+    if result.certified or found.status != "within_tolerance":
+        return result
+    return replace(found, status="interrupted") if result.status == "interrupted" else found
 
 
 def _first_state(run: _Run) -> FitState:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from subdfit.fit.fitter import Fitter
 from subdfit.fit.lavoue import lavoue_start
 from subdfit.fit.settings import FitSettings
-from subdfit.fit.sheets import mixed_sheets
+from subdfit.fit.sheets import MIXED, mixed, mixed_sheets
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import error_that_matters
 from subdfit.initial.start import DOUBLING, LARGEST_SHARE, REFININGS, start_mesh
@@ -75,10 +75,34 @@ def own_start(state: FitState, fitter: Fitter) -> Start | None:
     return Start(state, fitter, advanced) if found is None or found.share <= LOST else None
 
 
+def begun_finer(best: FitState, settings: FitSettings) -> FitState | None:
+    """A first state after a fit without a certificate: its target's mesh decimated, less where sheets fell together.
+
+    Parameters
+    ----------
+    best : the end of that fit.
+    settings : what is asked.
+
+    Returns
+    -------
+    None where no sheets fell together, or the control vertices to keep them apart would be too many.
+    """
+    target, mesh, found = best.data.target, best.surface.control_mesh, mixed(best)
+    wanted = len(mesh.points) + int(found.near(mesh.points).sum())
+    if settings.control_vertices is not None or found.share <= MIXED or wanted > _most(target, settings):
+        return None
+    weights = np.where(found.near(target.points), DOUBLING, 1.0)
+    return _begun_again(best, settings, *_decimated(target, settings, wanted, weights))
+
+
+def _most(target: Target, settings: FitSettings) -> float:
+    """Control vertices of a start at most."""
+    return min(LARGEST_SHARE * len(target.used), settings.max_control_vertices or np.inf)
+
+
 def _parted_by_more(state: FitState, settings: FitSettings, fitter: Callable[[], Fitter]) -> Start:
     """The state with more control vertices, and again, where sheets are mixed up."""
     target = state.data.target
-    most = min(LARGEST_SHARE * len(target.used), settings.max_control_vertices or np.inf)
     weights = np.ones(len(target.points))
     for _ in range(REFININGS):
         trial = fitter()
@@ -87,7 +111,7 @@ def _parted_by_more(state: FitState, settings: FitSettings, fitter: Callable[[],
             return Start(state, trial, advanced)
         mesh = state.surface.control_mesh
         wanted = len(mesh.points) + int(found.near(mesh.points).sum())
-        if wanted > most:
+        if wanted > _most(target, settings):
             return Start(state, trial, advanced)
         weights[found.near(target.points)] *= DOUBLING
         state = _begun_again(state, settings, *_decimated(target, settings, wanted, weights))
