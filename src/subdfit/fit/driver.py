@@ -20,7 +20,7 @@ from subdfit.fit.held import boundary_held
 from subdfit.fit.lavoue import Lavoue
 from subdfit.fit.result import FitResult, Iteration, Status
 from subdfit.fit.settings import FitSettings
-from subdfit.fit.starts import Start, begun_finer, own_start, parted, started
+from subdfit.fit.starts import Start, own_start, parted, second_start, started
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import badness, error_that_matters, surface_within, within
 from subdfit.fit.tangential import Tangential
@@ -221,28 +221,39 @@ def _fitted(run: _Run, unit: str | None) -> FitResult:
     with run.timed("footpoints"):
         start = parted(state, run.settings, run.fitter)
     found = _advanced(run, start, unit)
-    if found.certified or found.status != "within_tolerance" or run.best is None:
+    # Short of the tolerance on the data's side too, a mesh decimated less would end no nearer.
+    hopeful = not found.certified and (
+        found.status == "within_tolerance" or (start.own and found.status == "best_effort")
+    )
+    if not hopeful or run.best is None:
         return found
-    finer = begun_finer(run.best, run.settings)
-    if finer is None:
-        return found
-    logger.info("sheets fell together; the fit begins again with more control vertices there")
-    again = _Run(run.target, run.settings, run.callback)
-    return _preferred(found, lambda: _advanced(again, Start(finer, again.fitter(), None), unit))
+    settings, best, again = run.settings, run.best, _Run(run.target, run.settings, run.callback)
+
+    def other() -> FitResult | None:
+        second = second_start(start, best, settings, again.fitter)
+        return None if second is None else _advanced(again, second, unit)
+
+    return _preferred(found, other)
 
 
-def _preferred(found: FitResult, other: Callable[[], FitResult]) -> FitResult:
-    """The result of another fit, or the one that is there if it is within tolerance and the other not certified.
-
-    Ctrl-C in the other leaves the one that is there.
-    """
+def _preferred(found: FitResult, other: Callable[[], FitResult | None]) -> FitResult:
+    """The better of a fit without a certificate and another; Ctrl-C in the other leaves the one that is there."""
     try:
         result = other()
     except KeyboardInterrupt:
         return replace(found, status="interrupted")
-    if result.certified or found.status != "within_tolerance":
-        return result
-    return replace(found, status="interrupted") if result.status == "interrupted" else found
+    if result is None or result.certified:
+        return result or found
+    if _off(found) < _off(result):
+        return replace(found, status="interrupted") if result.status == "interrupted" else found
+    return result
+
+
+def _off(found: FitResult) -> tuple[bool, float]:
+    """What orders fits without a certificate, the better first."""
+    m, asked = found.measurement, found.settings.tolerance
+    bounds = ((asked.max, m.max), (asked.rms, m.rms), (asked.mean, m.mean))
+    return found.status != "within_tolerance", max((value / bound for bound, value in bounds if bound), default=0.0)
 
 
 def _first_state(run: _Run) -> FitState:
@@ -260,7 +271,7 @@ def _advanced(run: _Run, start: Start, unit: str | None) -> FitResult:
     settings = run.settings
     if settings.fixed_boundary:
         with run.timed("footpoints"):
-            start = Start(boundary_held(start.state, settings), run.fitter(), None)
+            start = Start(boundary_held(start.state, settings), run.fitter())
     interrupted, measurement = False, None
     with run.timed("fit"):
         try:

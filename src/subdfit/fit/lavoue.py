@@ -57,7 +57,8 @@ class Lavoue(Tangential):
     def advance(self, state: FitState) -> FitState:
         """One round of steps, the control mesh enriched first where that is due."""
         self._descent.damping = max(self._descent.damping, DAMPING)
-        state, tolerance = super().advance(state), self.settings.tolerance
+        # Large faces turn far in a round: footpoints that follow them get lost, and speak of errors where none are.
+        state, tolerance = super().advance(state).refreshed(self._descent.bound), self.settings.tolerance
         # Of a mean on both sides more steps may bring about what costs vertices otherwise.
         near = tolerance.max is None and badness(state, tolerance) <= NEAR
         return self._hold.settled(state) if near else state

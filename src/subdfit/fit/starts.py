@@ -27,6 +27,7 @@ LOST = 0.01
 """Share of the surface that faces the wrong way after the first round from a part's own curves, from which no later
 round unfolds it: of parts whose fits were certified it was .0087 at most, of others .016 and more."""
 DECIMATED = "between the part's own curves alone its sheets would be mixed up; the fit begins with its mesh decimated"
+UNCERTIFIED = "from the part's own curves the fit is not certified; it begins again with its mesh decimated"
 
 
 def started(target: Target, settings: FitSettings) -> tuple[Target, ControlMesh]:
@@ -45,11 +46,13 @@ class Start:
     state : the first state.
     fitter : the method, ready for its first round, or for its second where the first is known.
     advanced : the state after the first round; None where that was not looked at.
+    own : its control mesh lies between the part's own curves.
     """
 
     state: FitState
     fitter: Fitter
-    advanced: FitState | None
+    advanced: FitState | None = None
+    own: bool = False
 
 
 def parted(state: FitState, settings: FitSettings, fitter: Callable[[], Fitter]) -> Start:
@@ -59,40 +62,55 @@ def parted(state: FitState, settings: FitSettings, fitter: Callable[[], Fitter])
     """
     state = _excused(state, settings)
     if settings.control_vertices is not None:
-        return Start(state, fitter(), None)
-    if settings.method == "lavoue":
-        start = own_start(state, fitter())
-        if start is not None:
-            return start
-        logger.warning("%s", DECIMATED)
-        state = _begun_again(state, settings, *_decimated(state.data.target, settings, None))
-    return _parted_by_more(state, settings, fitter)
+        return Start(state, fitter())
+    if settings.method != "lavoue":
+        return _parted_by_more(state, settings, fitter)
+    start = own_start(state, fitter())
+    if start is not None:
+        return start
+    logger.warning("%s", DECIMATED)
+    return _from_mesh(state, settings, fitter)
 
 
 def own_start(state: FitState, fitter: Fitter) -> Start | None:
     """The first state between a part's own curves; None where it would mix up the part's sheets for good."""
     found, advanced = mixed_sheets(state, fitter)
-    return Start(state, fitter, advanced) if found is None or found.share <= LOST else None
+    return Start(state, fitter, advanced, own=True) if found is None or found.share <= LOST else None
 
 
-def begun_finer(best: FitState, settings: FitSettings) -> FitState | None:
-    """A first state after a fit without a certificate: its target's mesh decimated, less where sheets fell together.
+def second_start(start: Start, best: FitState, settings: FitSettings, fitter: Callable[[], Fitter]) -> Start | None:
+    """Where to begin again after a fit without a certificate.
+
+    With the part's mesh decimated, where it began between the part's own curves; with less decimated where its sheets
+    fell together.
 
     Parameters
     ----------
-    best : the end of that fit.
+    start : where that fit began.
+    best : where it ended.
     settings : what is asked.
+    fitter : makes the method, ready for its first round.
 
     Returns
     -------
-    None where no sheets fell together, or the control vertices to keep them apart would be too many.
+    None where neither is the case, or the control vertices to keep the sheets apart would be too many.
     """
+    if start.own:
+        logger.warning("%s", UNCERTIFIED)
+        return _from_mesh(best, settings, fitter)
     target, mesh, found = best.data.target, best.surface.control_mesh, mixed(best)
     wanted = len(mesh.points) + int(found.near(mesh.points).sum())
     if settings.control_vertices is not None or found.share <= MIXED or wanted > _most(target, settings):
         return None
+    logger.info("sheets fell together; the fit begins again with more control vertices there")
     weights = np.where(found.near(target.points), DOUBLING, 1.0)
-    return _begun_again(best, settings, *_decimated(target, settings, wanted, weights))
+    return Start(_begun_again(best, settings, *_decimated(target, settings, wanted, weights)), fitter())
+
+
+def _from_mesh(state: FitState, settings: FitSettings, fitter: Callable[[], Fitter]) -> Start:
+    """The start from the mesh of a state's part, decimated."""
+    again = _begun_again(state, settings, *_decimated(state.data.target, settings, None))
+    return _parted_by_more(again, settings, fitter)
 
 
 def _most(target: Target, settings: FitSettings) -> float:
@@ -115,7 +133,7 @@ def _parted_by_more(state: FitState, settings: FitSettings, fitter: Callable[[],
             return Start(state, trial, advanced)
         weights[found.near(target.points)] *= DOUBLING
         state = _begun_again(state, settings, *_decimated(target, settings, wanted, weights))
-    return Start(state, fitter(), None)
+    return Start(state, fitter())
 
 
 def _decimated(
