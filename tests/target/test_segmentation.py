@@ -325,7 +325,7 @@ def test_noise_is_taken_from_a_sphere():
 
 
 def test_labels_and_features_are_carried_to_triangles_that_were_shrunk():
-    """A box most of whose edges go: no triangle is left without a side, and the features are the box's edges."""
+    """A box most of whose edges go: no triangle is left without a side, and the features are the box's edges only."""
     mesh = trimesh.creation.box().subdivide().subdivide().subdivide()
     points, triangles = np.array(mesh.vertices), np.asarray(mesh.faces)
     edges = mesh_edges(points, triangles)
@@ -340,6 +340,8 @@ def test_labels_and_features_are_carried_to_triangles_that_were_shrunk():
     border = facets_of(points, triangles).borders(labels)
     shared = edges_among(edges.vertices, features)
     assert np.count_nonzero(border & shared) > 0.9 * np.count_nonzero(border)
+    assert border[shared].all()
+    assert np.count_nonzero(border & (edges.angle > 45)) > 0.9 * len(creases)
 
 
 def test_points_are_refused():

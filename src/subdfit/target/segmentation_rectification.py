@@ -8,10 +8,9 @@ parts them costs its length times its angle to the lines of curvature, little wh
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array, csr_array
-from scipy.sparse.csgraph import breadth_first_order, maximum_flow
 from scipy.spatial import cKDTree
 
+from subdfit.target.minimum_cut import source_side
 from subdfit.target.segmentation_facets import Facets, Flags, Labels
 
 Floats = NDArray[np.float64]
@@ -24,8 +23,6 @@ _BEND = 20.0
 """Degrees across an edge that make a border there cost half."""
 _CORE = 0.3
 """Share of a thin region's width that stays its own."""
-_UNITS = 1e6
-"""Whole units of flow that the largest cut may have."""
 
 
 def border_costs(facets: Facets, directions: Floats) -> Floats:
@@ -91,7 +88,7 @@ def _swap(facets: Facets, labels: Labels, a: int, b: int, curvatures: Floats, co
     heads = np.concatenate([sides[:, 0], sides[:, 1], np.zeros_like(nodes), nodes])
     tails = np.concatenate([sides[:, 1], sides[:, 0], nodes, np.ones_like(nodes)])
     capacity = np.concatenate([cut, cut, unlike[1], unlike[0]])
-    chosen = np.where(_source_side(heads, tails, capacity, len(near) + 2)[2:], a, b)
+    chosen = np.where(source_side(heads, tails, capacity, len(near) + 2)[2:], a, b)
     # A region is not given up here, however little speaks for it: merging is another step's task.
     if all(len(part) or np.any(chosen == region) for part, region in zip(core, (a, b), strict=True)):
         labels[near] = chosen
@@ -111,16 +108,3 @@ def _band(facets: Facets, labels: Labels, a: int, b: int) -> Flags:
         reach = min(_BAND * facets.radius, (1 - _CORE) / 2 * facets.width(labels == region))
         band[members[distance < reach]] = True
     return band
-
-
-def _source_side(heads: NDArray[np.int64], tails: NDArray[np.int64], capacity: Floats, count: int) -> Flags:
-    """Nodes on the side of node 0 in a minimum cut between nodes 0 and 1, (count,)."""
-    whole = np.round(capacity * (_UNITS / max(float(capacity.sum()), 1e-300))).astype(np.int32)
-    graph = csr_array(coo_array((whole, (heads, tails)), shape=(count, count)))
-    flow = maximum_flow(graph, 0, 1).flow
-    left = csr_array(graph - flow)
-    left.data = np.maximum(left.data, 0)
-    left.eliminate_zeros()
-    side = np.zeros(count, np.bool_)
-    side[breadth_first_order(left, 0, return_predecessors=False)] = True
-    return side
