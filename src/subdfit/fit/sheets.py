@@ -11,6 +11,7 @@ from subdfit.fit.state import FitState
 from subdfit.initial.reach import within_reach
 from subdfit.schemes.domain import QUAD
 from subdfit.target.normals import face_normals
+from subdfit.target.target import Target
 
 MIXED = 0.0005
 """Share of the surface that faces the wrong way from which, if it does after a round of a fit as well, the control mesh
@@ -54,7 +55,7 @@ def mixed(state: FitState) -> Mixed:
     normal = np.cross(found.first[:, 0], found.first[:, 1])
     area = np.linalg.norm(normal, axis=1)
     nearest = target.tree.closest(found.position).triangle
-    cosine = np.sum(normal * face_normals(target.points, target.triangles[nearest]), axis=1)
+    cosine = np.sum(normal * _facing(target, nearest), axis=1)
     wrong = cosine < AGAINST * area
     # Samples of a cell stand for equal parts of it, and the area is that of a quad of its sides.
     shape = surface.domain.shape[face]
@@ -62,6 +63,13 @@ def mixed(state: FitState) -> Mixed:
     return Mixed(
         float(part[wrong].sum() / max(part.sum(), 1e-300)), found.position[wrong], REACH * np.sqrt(area[wrong])
     )
+
+
+def _facing(target: Target, triangle: NDArray[np.integer]) -> NDArray[np.float64]:
+    """Where triangles (k,) of a target face, (k, 3): as their corners do where noise turned them upside down."""
+    corners = target.triangles[triangle]
+    own, around = face_normals(target.points, corners), target.normals[corners].mean(axis=1)
+    return np.where(np.sum(own * around, axis=1, keepdims=True) < 0, around, own)
 
 
 def mixed_sheets(state: FitState, fitter: Fitter) -> tuple[Mixed | None, FitState | None]:
