@@ -17,6 +17,7 @@ from subdfit.target.segmentation import SegmentationSettings, segment_mesh
 from subdfit.target.segmentation_carrying import on_all_triangles
 from subdfit.target.segmentation_clusters import cluster, grow
 from subdfit.target.segmentation_facets import Facets
+from subdfit.target.segmentation_gaps import crease_gaps
 from subdfit.target.segmentation_merging import Adjacency, absorb, merge_regions, renumbered
 from subdfit.target.segmentation_noise import noise_of, without_noise
 from subdfit.target.segmentation_rectification import border_costs, rectify
@@ -342,6 +343,19 @@ def test_labels_and_features_are_carried_to_triangles_that_were_shrunk():
     assert np.count_nonzero(border & shared) > 0.9 * np.count_nonzero(border)
     assert border[shared].all()
     assert np.count_nonzero(border & (edges.angle > 45)) > 0.9 * len(creases)
+
+
+def test_gaps_of_creases_are_found_and_smooth_borders_are_none():
+    """A box three of whose edges are not known to be sharp, and one of whose sides is parted in two."""
+    mesh = trimesh.creation.box().subdivide().subdivide().subdivide()
+    points, triangles = np.array(mesh.vertices), np.asarray(mesh.faces)
+    side = np.argmax(np.abs(mesh.face_normals), axis=1) * 2 + (mesh.face_normals.sum(axis=1) > 0)
+    side[(side == 5) & (mesh.triangles_center[:, 0] > 0)] = 6
+    edges = mesh_edges(points, triangles)
+    creases = edges.vertices[edges.angle > 45]
+    hidden = np.isin(np.arange(len(creases)), [10, 11, 40])
+    found = crease_gaps(points, triangles, side, creases[~hidden])
+    np.testing.assert_array_equal(np.unique(np.sort(found, axis=1), axis=0), creases[hidden])
 
 
 def test_points_are_refused():

@@ -18,6 +18,7 @@ from subdfit.target.features import automatic_creases, mesh_edges
 from subdfit.target.segmentation_carrying import on_all_triangles
 from subdfit.target.segmentation_clusters import cluster, grow
 from subdfit.target.segmentation_facets import Facets, Flags, Labels
+from subdfit.target.segmentation_gaps import crease_gaps
 from subdfit.target.segmentation_merging import Adjacency, absorb, merge_regions
 from subdfit.target.segmentation_noise import noise_of, without_noise
 from subdfit.target.segmentation_planes import with_planes
@@ -109,7 +110,11 @@ def segment_mesh(target: Target, settings: SegmentationSettings | None = None, *
     coarse = without_noise(points, triangles, creases, noise)
     creases = automatic_creases(coarse.points, coarse.triangles) if find_creases else coarse.edges(creases)
     found = _segment(coarse.points, coarse.triangles, creases, settings, find_creases)
-    return Regions(*on_all_triangles(points, triangles, coarse, found.labels, found.feature_edges))
+    features = found.feature_edges
+    if find_creases:
+        gaps = crease_gaps(coarse.points, coarse.triangles, found.labels, features)
+        features = np.concatenate([features, gaps])
+    return Regions(*on_all_triangles(points, triangles, coarse, found.labels, features))
 
 
 def _segment(
