@@ -446,14 +446,17 @@ def test_borders_are_cheapest_along_lines_of_curvature():
     assert np.all(border_costs(facets, directions)[facets.sharp] == 0)
 
 
+NONE = np.empty((0, 2), np.int64)
+
+
 def test_needles_are_flipped_away_and_nothing_else_changes():
     mesh = trimesh.creation.icosphere(3)
-    np.testing.assert_array_equal(without_slivers(mesh.vertices, mesh.faces), mesh.faces)
+    np.testing.assert_array_equal(without_slivers(mesh.vertices, mesh.faces, NONE)[0], mesh.faces)
     points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 1e-4, 0]], float)
     needle = np.array([[0, 1, 4], [4, 1, 2], [4, 2, 3], [4, 3, 0]])
     lower = np.array([[0.5, -1, 0]])
     faces = np.vstack([needle, [[1, 0, 5]]])
-    found = without_slivers(np.vstack([points, lower]), faces)
+    found, _ = without_slivers(np.vstack([points, lower]), faces, NONE)
     assert {tuple(sorted(f)) for f in found.tolist()} == {(1, 2, 4), (2, 3, 4), (0, 3, 4), (0, 4, 5), (1, 4, 5)}
 
 
@@ -461,9 +464,21 @@ def test_flips_of_needles_fold_nothing():
     """Two needles in a plane whose quad is hollow: a flip would make both higher, and turn one over."""
     points = np.array([[0, 0, 0], [1, 0, 0], [0.1, 0.001, 0], [-0.2, -0.001, 0]])
     faces = np.array([[0, 1, 2], [1, 0, 3]])
-    found = without_slivers(points, faces)
+    found, _ = without_slivers(points, faces, NONE)
     a, b, c = np.moveaxis(points[found], 1, 0)
     assert np.all(np.cross(b - a, c - a)[:, 2] > 0)
+
+
+@pytest.mark.parametrize(
+    ("height", "creases", "flips"), [(1e-3, NONE, True), (1e-3, np.array([[0, 1]]), False), (1e-2, NONE, False)]
+)
+def test_flips_keep_creases_and_the_surface(height, creases, flips):
+    """A needle in a wall along its upper edge: a flip takes the edge away and lowers it by the needle's height."""
+    points = np.array([[0, 0, 0], [1, 0, 0], [0.5, 0, -height], [0.5, 0, -1], [0.5, 1, 0]])
+    faces = np.array([[0, 1, 4], [1, 0, 2], [0, 3, 2], [3, 1, 2]])
+    found, kept = without_slivers(points, faces, creases)
+    assert edges_among(np.array([[0, 1]]), mesh_edges(points, found).vertices)[0] != flips
+    np.testing.assert_array_equal(kept, creases)
 
 
 def test_a_triangle_folded_over_its_neighbours_is_no_face():

@@ -43,14 +43,11 @@ def cut_part(target: Target, settings: SegmentationSettings | None = None) -> Cu
     target : a mesh.
     settings : of the segmentation.
     """
-    triangles = without_slivers(target.points, target.triangles)
-    if np.any(triangles != target.triangles):
-        # Needles hide creases; those that the caller chose are kept as they are.
-        own = np.array_equal(target.crease_edges, automatic_creases(target.points, target.triangles))
-        creases = automatic_creases(target.points, triangles) if own else target.crease_edges
-        target = replace(target, triangles=triangles, crease_edges=creases)
-    found = segment_mesh(target, settings)
-    cuts = part_cuts(target.points, triangles, found.labels, found.feature_edges)
+    found = np.array_equal(target.crease_edges, automatic_creases(target.points, target.triangles))
+    triangles, creases = without_slivers(target.points, target.triangles, target.crease_edges, found=found)
+    target = replace(target, triangles=triangles, crease_edges=creases)
+    regions = segment_mesh(target, settings, find_creases=found)
+    cuts = part_cuts(target.points, triangles, regions.labels, regions.feature_edges)
     cuts = without_handles(target.points, triangles, cuts)
     inner = cuts.exact & ~edges_among(cuts.edges, target.boundary_edges)
     return CutPart(replace(target, crease_edges=cuts.edges[inner]), cuts)

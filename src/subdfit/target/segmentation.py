@@ -121,10 +121,8 @@ def _segment(
     points: Floats, triangles: Triangles, creases: Creases, settings: SegmentationSettings, find_creases: bool
 ) -> Regions:
     """Segment a mesh without noise."""
-    upright = without_slivers(points, triangles)
+    upright, creases = without_slivers(points, triangles, creases, found=find_creases)
     changed = np.any(upright != triangles, axis=1)
-    if changed.any() and find_creases:
-        creases = automatic_creases(points, upright)
     facets = _facets(points, upright, creases, settings.radius)
     labels = segment_facets(facets, settings)
     features = facets.edges.vertices[_features(facets, labels)]

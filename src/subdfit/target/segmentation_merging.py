@@ -7,6 +7,7 @@ gradual change as well as for wide regions that are nearly alike.
 """
 
 import heapq
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -40,13 +41,15 @@ class Adjacency:
     def __init__(self, facets: Facets, labels: Labels, curvatures: Floats, over_sharp: bool = False) -> None:
         count = int(labels.max()) + 1
         self.owner = np.arange(count)
-        self.area = np.bincount(labels, facets.areas, count)
-        self.bend = np.stack([np.bincount(labels, facets.areas * k, count) for k in curvatures.T], axis=1)
+        # Plain numbers, since a mesh of many regions is compared a million times, one pair at a time.
+        self.area: list[float] = np.bincount(labels, facets.areas, count).tolist()
+        self.bend = np.stack([np.bincount(labels, facets.areas * k, count) for k in curvatures.T], axis=1).tolist()
         border = facets.borders(labels)
-        self.perimeter = np.zeros(count)
+        perimeter = np.zeros(count)
         for side in range(2):
             rim = (border | (facets.edges.valence == 1)) & (facets.edges.faces[:, side] >= 0)
-            self.perimeter += np.bincount(labels[facets.edges.faces[rim, side]], facets.lengths[rim], count)
+            perimeter += np.bincount(labels[facets.edges.faces[rim, side]], facets.lengths[rim], count)
+        self.perimeter: list[float] = perimeter.tolist()
         self.borders: list[dict[int, _Border]] = [{} for _ in range(count)]
         shared = np.flatnonzero(border if over_sharp else border & ~facets.sharp)
         beside = facets.edges.faces[shared]
@@ -59,17 +62,17 @@ class Adjacency:
 
     def thickness(self, region: int) -> float:
         """Width of the strip that has the region's area and perimeter."""
-        return float(2 * self.area[region] / max(self.perimeter[region], 1e-300))
+        return 2.0 * self.area[region] / max(self.perimeter[region], 1e-300)
 
     def area_if_open(self, region: int) -> float:
         """Area of a region that meets others along most of its rim; infinite where sharp edges part it from them."""
         shared = sum(border.length for border in self.borders[region].values())
-        return float(self.area[region]) if 2 * shared > self.perimeter[region] else np.inf
+        return self.area[region] if 2 * shared > self.perimeter[region] else np.inf
 
     def turn_of_means(self, a: int, b: int) -> float:
         """Degrees by which the mean curvatures of two regions let the thinner one turn away from the other."""
-        means = [self.bend[region] / self.area[region] for region in (a, b)]
-        return self._turn(a, b, float(np.linalg.norm(means[0] - means[1])))
+        least, most = (x / self.area[a] - y / self.area[b] for x, y in zip(self.bend[a], self.bend[b], strict=True))
+        return self._turn(a, b, math.sqrt(least * least + most * most))
 
     def turn_at_border(self, a: int, b: int) -> float:
         """The same from the curvatures on both sides of the border only."""
@@ -77,13 +80,13 @@ class Adjacency:
         return self._turn(a, b, border.jump / max(border.length, 1e-300))
 
     def _turn(self, a: int, b: int, difference: float) -> float:
-        return float(np.degrees(difference * min(self.thickness(a), self.thickness(b))))
+        return math.degrees(difference * min(self.thickness(a), self.thickness(b)))
 
     def merge(self, kept: int, gone: int) -> None:
         """Let one region take in another."""
         self.owner[self.owner == gone] = kept
         self.area[kept] += self.area[gone]
-        self.bend[kept] += self.bend[gone]
+        self.bend[kept] = [x + y for x, y in zip(self.bend[kept], self.bend[gone], strict=True)]
         self.perimeter[kept] += self.perimeter[gone] - 2 * self.borders[kept][gone].length
         for other, border in self.borders[gone].items():
             del self.borders[other][gone]
