@@ -46,7 +46,9 @@ def test_the_same_bytes_on_one_thread_and_two(can, tmp_path):
 
 
 def test_bad_calls_are_refused_in_one_line(can, tmp_path, capsys):
-    for options in (["-o", "faces.obj"], ["-o", "faces.ply", "--radius", "-1"], ["-o", "x.ply", "--creases", "sharp"]):
+    turns = [["-o", "x.ply", "--least-turn", turn] for turn in ("nan", "-5", "inf")]
+    radius, creases = ["-o", "x.ply", "--radius", "-1"], ["-o", "x.ply", "--creases", "sharp"]
+    for options in (["-o", "faces.obj"], radius, creases, *turns):
         assert main(["segment", str(can), *options[:1], str(tmp_path / options[1]), *options[2:], "--quiet"]) == 2
         assert capsys.readouterr().err.count("\n") == 1
     assert not list(tmp_path.iterdir())

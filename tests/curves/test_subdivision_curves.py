@@ -217,5 +217,9 @@ def test_bad_curves_are_refused():
         SubdivisionCurve(np.zeros((2, 3)), closed=True)
     with pytest.raises(InputError, match="tolerance"):
         fit_curve(circle(9), 0.0)
+    with pytest.raises(InputError, match="point 4 of the chain is not finite"):
+        fit_curve(Polyline(np.where(np.arange(9)[:, None] == 4, np.nan, circle(9).points)), 0.1)
+    with pytest.raises(InputError, match="2 or more"):
+        fit_curve(Polyline(circle(9).points[:1]), 0.1)
     with pytest.raises(InputError, match="open"):
         fit_loop(Polyline(circle(9).points, closed=False), 0.1)

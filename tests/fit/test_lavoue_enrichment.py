@@ -1,5 +1,6 @@
 """Enrichment, and the nested loop on open surfaces."""
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -10,6 +11,7 @@ from scipy.spatial import Delaunay
 import subdfit
 from subdfit.curves.loops import fit_loop
 from subdfit.curves.polyline import Polyline
+from subdfit.errors import InputError
 from subdfit.fit.lavoue_enrichment import Faces, is_diffuse, principal_error_field
 from subdfit.fit.lavoue_open import enriched, fit_open
 from subdfit.initial.lavoue import BoundaryPolygon, boundary_start
@@ -279,6 +281,16 @@ def test_a_surface_that_covers_half_is_not_within():
     assert not found.within
     # The boundary is held: points beyond x = .5 are .25 off on average, or less where the inside is drawn over it.
     assert found.mean > 0.01
+
+
+def test_bad_calls_of_the_nested_loop_are_refused():
+    target, field = bump(0.1, 0.3)
+    with pytest.raises(InputError, match="catmull-clark"):
+        fit_open(replace(grid(1), scheme="doo-sabin"), target, field)
+    with pytest.raises(InputError, match="positive"):
+        fit_open(grid(1), target, field, tolerance=-1.0)
+    with pytest.raises(InputError, match="curvature"):
+        fit_open(grid(1), target, bump(0.1, 0.3, 10)[1])
 
 
 def vault(count, stretch):

@@ -1,5 +1,7 @@
 """Squared-distance optimisation: known surfaces found again, and faster than point to point (Figure 9)."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -129,3 +131,7 @@ def test_bad_calls_are_refused():
         optimise(mesh, target, field, rounds=-1)
     with pytest.raises(InputError, match="fixed"):
         optimise(mesh, target, field, fixed=np.ones(3, np.bool_))
+    with pytest.raises(InputError, match="bool"):
+        optimise(mesh, target, field, fixed=np.ones(len(mesh.points), int))
+    with pytest.raises(InputError, match="curvature"):
+        optimise(mesh, target, replace(field, tensors=field.tensors[1:]))

@@ -7,11 +7,12 @@ import trimesh
 from shapes.drilled import distance_from_edges, drilled_block
 from shapes.parts import can
 from subdfit.curves.network import fit_network, sharp_vertices
+from subdfit.errors import InputError
 from subdfit.fit.lavoue_whole import cut_part, whole_start
 from subdfit.limit.surface import LimitSurface
 from subdfit.target.network import Cuts, curve_network
 from subdfit.target.segmentation_cutting import part_cuts, without_handles
-from subdfit.target.target import mesh_target
+from subdfit.target.target import mesh_target, point_target
 
 
 def euler(topology):
@@ -27,6 +28,11 @@ def network_of(points, triangles):
     part = cut_part(mesh_target(points, triangles))
     turns = sharp_vertices(points, part.cuts.edges[part.cuts.exact])
     return part, curve_network(part.target.triangles, part.cuts, turns)
+
+
+def test_points_are_not_cut_into_patches(drilled):
+    with pytest.raises(InputError, match="reconstruct"):
+        cut_part(point_target(drilled[0]))
 
 
 def test_a_part_is_cut_along_its_edges_into_its_faces(drilled):

@@ -10,6 +10,7 @@ from subdfit.api.lengths import parse_length
 from subdfit.api.sources import MeshSource
 from subdfit.api.targets import Preparation, prepare
 from subdfit.api.workers import workers
+from subdfit.errors import InputError
 from subdfit.mesh.data import MeshData
 from subdfit.target.segmentation import SegmentationSettings, segment_mesh
 from subdfit.target.target import Creases
@@ -101,6 +102,8 @@ def segment(
     """
     how = Preparation(creases=creases, repair=repair, keep_components=keep_components, fill_holes=fill_holes)  # type: ignore[arg-type]
     length = parse_length(radius, "radius")
+    if not 0 <= least_turn < np.inf:
+        raise InputError(f"the least turn is {least_turn} degrees; give 0 or more")
     with workers(threads):
         target = prepare(mesh, how).target
         reach = None if length is None else length.share(target.diagonal) * target.diagonal

@@ -91,7 +91,17 @@ def fit_curve(
     CurveFit
         One that meets the tolerance, by doubling and bisection from a straight line or a triangle, and, where that
         takes many control points, by growing where it is farthest off; where `most` control points do not, the best.
+
+    Raises
+    ------
+    InputError
+        The tolerance is not positive, or the chain has fewer than two points or one that is not finite.
     """
+    if len(target.points) < 2:
+        raise InputError(f"a chain of {len(target.points)} points is no curve; give 2 or more")
+    if not np.isfinite(target.points).all():
+        row = int(np.flatnonzero(~np.isfinite(target.points).all(axis=1))[0])
+        raise InputError(f"point {row} of the chain is not finite; leave it out")
     if not tolerance > 0:
         raise InputError(f"the tolerance of a curve is {tolerance}; give a positive length")
     how = _Effort(signed, tolerance, _GAVE_UP) if quick else _Effort(signed)

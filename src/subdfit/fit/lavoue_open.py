@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from subdfit.errors import InputError
+from subdfit.fit.lavoue import SCHEMES
 from subdfit.fit.lavoue_enrichment import Faces, is_diffuse, principal_error_field
 from subdfit.fit.lavoue_optimisation import optimise
 from subdfit.limit.surface import LimitSurface
@@ -68,7 +70,17 @@ def fit_open(
         the longest side of the bounding box.
     rounds : of an optimisation at most; m0 in the paper.
     most_vertices : where to stop enriching.
+
+    Raises
+    ------
+    InputError
+        The scheme has no faces of any number of sides, the tolerance is not positive, the target is a point cloud, or
+        the curvature another mesh's.
     """
+    if start.scheme not in SCHEMES:
+        raise InputError(f"faces are enriched by quads and triangles; choose the scheme {' or '.join(SCHEMES)}")
+    if tolerance is not None and not tolerance > 0:
+        raise InputError(f"the tolerance of the mean distance is {tolerance}; give a positive length")
     if tolerance is None:
         tolerance = 5e-3 * float(np.ptp(target.points[target.used], axis=0).max())
     mesh, history = start, []

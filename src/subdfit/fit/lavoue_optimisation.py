@@ -92,17 +92,23 @@ def optimise(
     Raises
     ------
     InputError
-        The target is a point cloud, the metric unknown, rounds below 0, or `fixed` not one flag a control point.
+        The target is a point cloud, the curvature another mesh's, the metric unknown, rounds below 0, or `fixed` not
+        one flag a control point.
     """
     if not target.is_mesh:
         raise InputError("samples are projected to a target's faces, and it has none; use another method for points")
+    if len(field.tensors) != len(target.points):
+        raise InputError(
+            f"curvature of {len(field.tensors)} vertices for {len(target.points)} points; give that of the target"
+        )
     if metric not in ("squared-distance", "point"):
         raise InputError(f"metric is '{metric}'; give squared-distance or point")
     if rounds < 0:
         raise InputError(f"rounds is {rounds}; give 0 or more")
-    if fixed is not None and np.shape(fixed) != (len(mesh.points),):
+    if fixed is not None and (np.shape(fixed) != (len(mesh.points),) or np.asarray(fixed).dtype != np.bool_):
         raise InputError(
-            f"fixed has the shape {np.shape(fixed)} for {len(mesh.points)} control points; give one flag each"
+            f"fixed is {np.asarray(fixed).dtype} of the shape {np.shape(fixed)} for {len(mesh.points)} control points; "
+            "give one bool each"
         )
     C = refined_limit_rows(mesh.topology, scheme_named(mesh.scheme or "loop"), levels)
     free = np.ones(len(mesh.points), np.bool_) if fixed is None else ~fixed

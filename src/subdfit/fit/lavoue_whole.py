@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.curves.network import bent_nodes, fit_network, sharp_vertices
+from subdfit.errors import InputError
 from subdfit.initial.lavoue_whole import PatchError, join_patches
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.target.features import automatic_creases, edges_among
@@ -42,7 +43,14 @@ def cut_part(target: Target, settings: SegmentationSettings | None = None) -> Cu
     ----------
     target : a mesh.
     settings : of the segmentation.
+
+    Raises
+    ------
+    InputError
+        The target is a point cloud.
     """
+    if not target.is_mesh:
+        raise InputError("a part is cut into patches of its faces, and points have none; reconstruct a mesh first")
     found = np.array_equal(target.crease_edges, automatic_creases(target.points, target.triangles))
     triangles, creases = without_slivers(target.points, target.triangles, target.crease_edges, found=found)
     target = replace(target, triangles=triangles, crease_edges=creases)
