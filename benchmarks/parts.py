@@ -12,6 +12,7 @@ from benchmarks.common import MODELS, table
 from subdfit.curves.fitting import knots_removed
 from subdfit.curves.loops import fit_loop
 from subdfit.curves.polyline import Polyline
+from subdfit.fit.lavoue_lightening import lightened
 from subdfit.fit.lavoue_open import fit_open
 from subdfit.fit.lavoue_optimisation import optimise
 from subdfit.initial.lavoue import BoundaryPolygon, boundary_start
@@ -177,10 +178,10 @@ OPEN = (
 
 
 def open_surfaces() -> str:
-    """The nested loop; boundary curves at .5 % of the longest side, those of holes at 2 %."""
+    """The nested loop, and without what it did not need; boundary curves at .5 % of the longest side, holes at 2 %."""
     rows = []
     for make, title, counts, error in OPEN:
-        rows.append([title, "quad-triangle", "5", "-", counts, error, "-", "-", "-"])
+        rows.append([title, "quad-triangle", "5", "-", counts, "-", error, "-", "-", "-"])
         # The rims of the tube are held, and are farther off than the paper's mean error.
         for asked in (5.0,) if make is tube else (5.0, float(error)):
             rows += _nested(make.__name__, make(), 5e-3, asked)
@@ -188,8 +189,8 @@ def open_surfaces() -> str:
         data = subdfit.read(MODELS / f"{name}.ply")
         share = 2e-2 if name == "holes" else 5e-3
         rows += _nested(name, (data.points, data.face_vertices.reshape(-1, 3)), share, 5.0)
-    head = ["surface", "scheme", "asked, 1e-3 of the side", "start V/F", "end V/F", "mean error, 1e-3 of the side"]
-    return table([*head, "largest %", "optimisations", "CPU s"], rows)
+    head = ["surface", "scheme", "asked, 1e-3 of the side", "start V/F", "nested loop V/F", "lightened V/F"]
+    return table([*head, "mean error, 1e-3 of the side", "largest %", "optimisations", "CPU s"], rows)
 
 
 def _nested(name: str, mesh: tuple[np.ndarray, np.ndarray], share: float, asked: float) -> list[list[str]]:
@@ -200,9 +201,12 @@ def _nested(name: str, mesh: tuple[np.ndarray, np.ndarray], share: float, asked:
     for scheme in ("quad-triangle", "catmull-clark"):
         start = replace(begin, scheme=scheme)
         target, clock = mesh_target(points, triangles), time.process_time()
-        found = fit_open(start, target, curvature_field(points, triangles), tolerance=1e-3 * asked * side)
+        field, tolerance = curvature_field(points, triangles), 1e-3 * asked * side
+        nested = fit_open(start, target, field, tolerance=tolerance)
+        found = lightened(nested, target, field, tolerance)
         clock = time.process_time() - clock
-        counts = [f"{m.topology.vertex_count}/{m.topology.face_count}" for m in (start, found.mesh)]
+        meshes = (start, nested.mesh, found.mesh)
+        counts = [f"{m.topology.vertex_count}/{m.topology.face_count}" for m in meshes]
         error = f"{1000 * found.mean / side:.2f}" + ("" if found.within else ", not within")
         measured = subdfit.measure(found.mesh, mesh)
         far = f"{100 * max(measured.max, measured.reverse_max):.2f}"

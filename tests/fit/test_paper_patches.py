@@ -10,6 +10,7 @@ from tests.shapes.paper_patches import boss, cushion, tube
 from subdfit.curves.loops import fit_loop
 from subdfit.curves.polyline import Polyline
 from subdfit.fit.lavoue_enrichment import is_diffuse, principal_error_field
+from subdfit.fit.lavoue_lightening import lightened
 from subdfit.fit.lavoue_open import concerned, enriched, fit_open
 from subdfit.fit.lavoue_optimisation import optimise
 from subdfit.initial.lavoue import BoundaryPolygon, boundary_start
@@ -72,6 +73,24 @@ def test_no_more_control_vertices_than_the_papers(make, most, scheme):
     assert found.within
     assert len(found.mesh.points) <= most
     assert found.mean <= 5e-3 * np.ptp(points, axis=0).max()
+
+
+@pytest.mark.parametrize("scheme", ["quad-triangle", "catmull-clark"])
+@pytest.mark.parametrize(("make", "asked", "most"), [(cushion, 2.69e-3, 17), (boss, 2.06e-3, 21)])
+def test_at_the_papers_errors_vertices_go_and_the_tolerance_holds(make, asked, most, scheme):
+    points, triangles = make()
+    side = np.ptp(points, axis=0).max()
+    target, field, tolerance = mesh_target(points, triangles), curvature_field(points, triangles), asked * side
+    start = replace(start_of(points, triangles), scheme=scheme)
+    nested = fit_open(start, target, field, tolerance=tolerance)
+    found = lightened(nested, target, field, tolerance)
+    assert nested.within
+    assert found.within
+    assert found.mean <= tolerance
+    assert len(found.mesh.points) < len(nested.mesh.points)
+    assert len(found.mesh.points) <= most
+    again = lightened(found, target, field, tolerance)
+    np.testing.assert_array_equal(again.mesh.points, found.mesh.points)
 
 
 def test_faces_that_a_field_only_touches_are_not_concerned():

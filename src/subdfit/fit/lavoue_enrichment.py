@@ -52,6 +52,22 @@ class Faces(FaceRings):
         self._replace(chosen, fan(loop, len(self.points) - 1, self._left_bare(loop, chosen)))
         return True
 
+    def take_out(self, vertex: int) -> bool:
+        """The inverse of the local case: the faces round a vertex become one.
+
+        Nothing is done, and False returned, where they do not form a disk round it, or a crease runs between them.
+        """
+        chosen = [k for k, ring in enumerate(self.rings) if vertex in ring]
+        loop = self._outline(chosen)
+        if not loop or vertex in loop:
+            return False
+        bare = self._left_bare(loop, chosen)
+        if len(loop) - len(bare) < 3:
+            return False
+        self._replace(chosen, [loop])
+        self.rings = [[v for v in ring if v not in bare] for ring in self.rings]
+        return min(map(len, self.rings)) >= 3
+
     def _left_bare(self, loop: Ring, chosen: list[int]) -> set[int]:
         """Inner vertices of a ring round faces that keep one other face only: without a spoke, their valence were 2."""
         sides = {side for ring in self.rings for side in ring_sides(ring)}

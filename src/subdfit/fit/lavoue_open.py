@@ -83,26 +83,42 @@ def fit_open(
         raise InputError(f"the tolerance of the mean distance is {tolerance}; give a positive length")
     if tolerance is None:
         tolerance = 5e-3 * float(np.ptp(target.points[target.used], axis=0).max())
-    mesh, history = start, []
-    best: OpenFit | None = None
-    vain = 0
+    mesh, best, vain = start, None, 0
+    history: list[tuple[int, float]] = []
     while True:
-        held = np.zeros(len(mesh.points), np.bool_)
-        held[mesh.topology.edge_vertices[mesh.topology.boundary_edges]] = True
-        # Near enough by few samples is not enough, nor where sheets have fallen together: then all rounds are run.
-        for enough in (tolerance, 0.0):
-            step = optimise(mesh, target, field, rounds=rounds, fixed=held, enough=enough, data=True)
-            mesh, (mean, away) = step.mesh, _errors(step.mesh, target)
-            if step.mean.min() > tolerance or (mean <= tolerance and away <= MOST_AWAY):
-                break
-        history.append((len(mesh.points), mean))
-        found = OpenFit(mesh, mean, away, mean <= tolerance and away <= MOST_AWAY, history)
-        if best is None or (not found.within, found.mean) < (not best.within, best.mean):
+        found = optimised(mesh, target, field, tolerance, rounds, history)
+        history.append((len(found.mesh.points), found.mean))
+        if best is None or _rank(found) < _rank(best):
             best, vain = found, 0
         vain += 1
         if found.within or vain > _VAIN or len(mesh.points) >= most_vertices:
             return best
-        mesh = enriched(mesh, target)
+        mesh = enriched(found.mesh, target)
+
+
+def optimised(
+    mesh: ControlMesh,
+    target: Target,
+    field: CurvatureField,
+    tolerance: float,
+    rounds: int,
+    history: list[tuple[int, float]],
+) -> OpenFit:
+    """One optimisation, boundary control points held, by as few rounds as the tolerance needs (see `fit_open`)."""
+    held = np.zeros(len(mesh.points), np.bool_)
+    held[mesh.topology.edge_vertices[mesh.topology.boundary_edges]] = True
+    # Near enough by few samples is not enough, nor where sheets have fallen together: then all rounds are run.
+    for enough in (tolerance, 0.0):
+        step = optimise(mesh, target, field, rounds=rounds, fixed=held, enough=enough, data=True)
+        mesh, (mean, away) = step.mesh, _errors(step.mesh, target)
+        if step.mean.min() > tolerance or (mean <= tolerance and away <= MOST_AWAY):
+            break
+    return OpenFit(mesh, mean, away, mean <= tolerance and away <= MOST_AWAY, history)
+
+
+def _rank(fit: OpenFit) -> tuple[bool, bool, float]:
+    """The better, the less: what folds comes after what does not, however near."""
+    return not fit.within, fit.away > MOST_AWAY, fit.mean
 
 
 def _errors(mesh: ControlMesh, target: Target) -> tuple[float, float]:
