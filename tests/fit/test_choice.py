@@ -11,6 +11,7 @@ from subdfit.fit.choice import MOSTLY, suits_lavoue
 from subdfit.fit.driver import METHODS, fit_target
 from subdfit.fit.lavoue import CURVES, Lavoue
 from subdfit.fit.settings import FitSettings
+from subdfit.fit.starts import UNCERTIFIED
 from subdfit.measure import Tolerance
 from subdfit.target.features import crease_edges, sharp_share
 from subdfit.target.target import cloud_target, mesh_target
@@ -114,6 +115,35 @@ def idle(monkeypatch):
 def test_where_they_give_no_certified_fit_its_mesh_is_decimated(drilled, idle):
     assert not fitted(drilled, "lavoue", bound=idle).certified
     assert same_as_tangent(fitted(drilled, bound=idle), drilled, bound=idle).certified
+
+
+@pytest.fixture
+def idle_at_first(monkeypatch):
+    """The same of the first fit by lavoue alone."""
+    first, advance = [], Lavoue.advance
+
+    def advanced(self, state):
+        first.append(self)
+        return state if self is first[0] else advance(self, state)
+
+    monkeypatch.setattr(Lavoue, "advance", advanced)
+    monkeypatch.setitem(CURVES, "max", 50.0)
+    return 5e-4
+
+
+def test_lavoue_itself_begins_again_with_its_mesh_decimated(drilled, idle_at_first, caplog):
+    found = fitted(drilled, "lavoue", bound=idle_at_first)
+    assert UNCERTIFIED in caplog.text
+    assert found.certified
+    assert found.settings.method == "lavoue"
+
+
+def test_of_two_fits_without_a_certificate_the_nearer_is_kept(drilled, idle):
+    """Neither gets beyond its start, from the part's own curves or from its mesh, with which `tangent` begins."""
+    found, decimated = fitted(drilled, "lavoue", bound=idle), fitted(drilled, "tangent", bound=idle).history[0]
+    assert not found.certified
+    assert found.measurement.max < decimated.max
+    assert found.history[0].control_vertices < decimated.control_vertices
 
 
 def pipe(thickness):

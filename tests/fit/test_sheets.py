@@ -1,5 +1,7 @@
 """Thin parts: a surface that mixes their sheets up is noticed, and the fit begins with more control vertices."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import trimesh
@@ -8,7 +10,7 @@ import subdfit
 from subdfit.fit.data import FitData
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.sheets import mixed, mixed_sheets
-from subdfit.fit.starts import parted
+from subdfit.fit.starts import Start, parted, second_start
 from subdfit.fit.state import FitState
 from subdfit.fit.tangential import Tangential
 from subdfit.initial.start import start_mesh
@@ -56,6 +58,25 @@ def test_sheets_are_parted_where_they_mix_and_nowhere_else() -> None:
     assert mixed_sheets(state, Tangential(settings))[0] is not None
     assert mixed_sheets(found.state, Tangential(settings))[0] is None
     assert 1.05 * 300 < found.state.surface.topology.vertex_count < 1.5 * 300
+
+
+def test_after_sheets_fell_together_the_fit_begins_with_more_there() -> None:
+    """Where they did not, or the number of control vertices was asked for, there is no second start."""
+    settings = FitSettings(tolerance=Tolerance(max=1e-3))
+
+    def again(thickness: float, asked: FitSettings) -> Start | None:
+        target = mesh_target(*ball_with_plate(thickness), creases="none")
+        target = target.normalised(Frame.of(target.points))
+        state = FitState.start(FitData.of(target, 0.02), LimitSurface(start_mesh(target, 300, 1e-3), "loop"))
+        begun = Start(state, Tangential(asked))
+        return second_start(begun, state, asked, lambda: Tangential(asked))
+
+    second = again(1e-3, settings)
+    assert second is not None
+    assert 300 < second.state.surface.topology.vertex_count < 1.5 * 300
+    assert again(0.5, settings) is None
+    assert again(1e-3, replace(settings, control_vertices=300)) is None
+    assert again(1e-3, replace(settings, max_control_vertices=301)) is None
 
 
 def test_the_round_that_was_looked_at_is_the_first_of_the_fit() -> None:

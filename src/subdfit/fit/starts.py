@@ -99,8 +99,10 @@ def second_start(start: Start, best: FitState, settings: FitSettings, fitter: Ca
         logger.warning("%s", UNCERTIFIED)
         return _from_mesh(best, settings, fitter)
     target, mesh, found = best.data.target, best.surface.control_mesh, mixed(best)
+    if settings.control_vertices is not None or found.share <= MIXED:
+        return None
     wanted = len(mesh.points) + int(found.near(mesh.points).sum())
-    if settings.control_vertices is not None or found.share <= MIXED or wanted > _most(target, settings):
+    if wanted > _most(target, settings):
         return None
     logger.info("sheets fell together; the fit begins again with more control vertices there")
     weights = np.where(found.near(target.points), DOUBLING, 1.0)
