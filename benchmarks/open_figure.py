@@ -14,7 +14,6 @@ from subdfit.api.triangulate import triangles_of
 from subdfit.draw.camera import camera_for
 from subdfit.draw.fit_picture import SURFACE
 from subdfit.draw.gallery import Panel, gallery
-from subdfit.fit.lavoue_lightening import lightened
 from subdfit.fit.lavoue_open import fit_open
 from subdfit.target.curvature import curvature_field
 from subdfit.target.features import mesh_edges
@@ -35,8 +34,7 @@ def row(make: Callable[[], Mesh]) -> list[Panel]:
     points, triangles = make()
     side = float(np.ptp(points, axis=0).max())
     start = open_start(points, triangles, 5e-3 * side)
-    target, field, tolerance = mesh_target(points, triangles), curvature_field(points, triangles), 5e-3 * side
-    found = lightened(fit_open(start, target, field, tolerance=tolerance), target, field, tolerance)
+    found = fit_open(start, mesh_target(points, triangles), curvature_field(points, triangles))
     mesh, topology, surface = found.mesh, found.mesh.topology, LimitSurface(found.mesh)
     shown, cage = surface.tessellate(LEVEL), triangles_of(mesh.to_data())
     both = np.concatenate([points, mesh.points]), np.concatenate([triangles, cage + len(points)])

@@ -76,7 +76,7 @@ def test_no_more_control_vertices_than_the_papers(make, most, scheme):
 
 
 @pytest.mark.parametrize("scheme", ["quad-triangle", "catmull-clark"])
-@pytest.mark.parametrize(("make", "asked", "most"), [(cushion, 2.69e-3, 17), (boss, 2.06e-3, 21)])
+@pytest.mark.parametrize(("make", "asked", "most"), [(cushion, 2.69e-3, 17), (boss, 2.06e-3, 22)])
 def test_at_the_papers_errors_vertices_go_and_the_tolerance_holds(make, asked, most, scheme):
     points, triangles = make()
     side = np.ptp(points, axis=0).max()
@@ -87,6 +87,7 @@ def test_at_the_papers_errors_vertices_go_and_the_tolerance_holds(make, asked, m
     assert nested.within
     assert found.within
     assert found.mean <= tolerance
+    assert found.away <= nested.away
     assert len(found.mesh.points) < len(nested.mesh.points)
     assert len(found.mesh.points) <= most
     again = lightened(found, target, field, tolerance)

@@ -15,6 +15,8 @@ _SIGNIFICANT = 0.5
 """Share of the largest error from which a sample belongs to the error field."""
 _NEAR, _DIFFUSE = 0.8, 0.5
 """A field is diffuse when this share of its samples exceeds so much of the largest error."""
+_MOST_CORNERS = 5
+"""Corners that a face may have from which a vertex was taken out: little of its data holds one of more."""
 
 
 def principal_error_field(distances: Floats, edges: NDArray[np.integer]) -> Flags:
@@ -55,14 +57,15 @@ class Faces(FaceRings):
     def take_out(self, vertex: int) -> bool:
         """The inverse of the local case: the faces round a vertex become one.
 
-        Nothing is done, and False returned, where they do not form a disk round it, or a crease runs between them.
+        Nothing is done, and False returned, where they do not form a disk round it, a crease runs between them, or the
+        face would have too many corners.
         """
         chosen = [k for k, ring in enumerate(self.rings) if vertex in ring]
         loop = self._outline(chosen)
         if not loop or vertex in loop:
             return False
         bare = self._left_bare(loop, chosen)
-        if len(loop) - len(bare) < 3:
+        if not 3 <= len(loop) - len(bare) <= _MOST_CORNERS:
             return False
         self._replace(chosen, [loop])
         self.rings = [[v for v in ring if v not in bare] for ring in self.rings]

@@ -26,8 +26,9 @@ def lightened(found: OpenFit, target: Target, field: CurvatureField, tolerance: 
     Returns
     -------
     OpenFit
-        From which no single vertex can be taken out; the boundary is as it was.
+        From which no single vertex can be taken out; the boundary is as it was, and no more of the surface faces away.
     """
+    most_away = found.away
     while found.within:
         before = found
         # The last vertices came by the finest enrichments.
@@ -35,7 +36,7 @@ def lightened(found: OpenFit, target: Target, field: CurvatureField, tolerance: 
             mesh = _without(found.mesh, vertex) if vertex < len(found.mesh.points) else None
             if mesh is not None:
                 tried = optimised(mesh, target, field, tolerance, rounds, found.history)
-                found = tried if tried.within else found
+                found = tried if tried.within and tried.away <= most_away else found
         if found is before:
             break
     return found
