@@ -104,16 +104,23 @@ def optimised(
     rounds: int,
     history: list[tuple[int, float]],
 ) -> OpenFit:
-    """One optimisation, boundary control points held, by as few rounds as the tolerance needs (see `fit_open`)."""
+    """One optimisation, boundary control points held, by as few rounds as the tolerance needs.
+
+    Parameters
+    ----------
+    mesh, target, field, tolerance, rounds : as in `fit_open`.
+    history : what the result is to carry of the optimisations before.
+    """
     held = np.zeros(len(mesh.points), np.bool_)
     held[mesh.topology.edge_vertices[mesh.topology.boundary_edges]] = True
     # Near enough by few samples is not enough, nor where sheets have fallen together: then all rounds are run.
     for enough in (tolerance, 0.0):
         step = optimise(mesh, target, field, rounds=rounds, fixed=held, enough=enough, data=True)
         mesh, (mean, away) = step.mesh, _errors(step.mesh, target)
-        if step.mean.min() > tolerance or (mean <= tolerance and away <= MOST_AWAY):
+        found = OpenFit(mesh, mean, away, mean <= tolerance and away <= MOST_AWAY, history)
+        if step.mean.min() > tolerance or found.within:
             break
-    return OpenFit(mesh, mean, away, mean <= tolerance and away <= MOST_AWAY, history)
+    return found
 
 
 def _rank(fit: OpenFit) -> tuple[bool, bool, float]:
