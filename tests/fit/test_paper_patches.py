@@ -9,6 +9,7 @@ from tests.shapes.paper_patches import boss, cushion, tube
 
 from subdfit.curves.loops import fit_loop
 from subdfit.curves.polyline import Polyline
+from subdfit.fit import lavoue_open
 from subdfit.fit.lavoue_enrichment import is_diffuse, principal_error_field
 from subdfit.fit.lavoue_lightening import lightened
 from subdfit.fit.lavoue_open import concerned, enriched, fit_open
@@ -94,6 +95,30 @@ def test_at_the_papers_errors_vertices_go_and_the_tolerance_holds(make, asked, m
     np.testing.assert_array_equal(again.mesh.points, found.mesh.points)
 
 
+def test_what_begins_to_fold_is_not_built_upon(monkeypatch):
+    """Every control mesh that a vertex was put into is made to fold: the next has no more than a refined one before."""
+    points, triangles = boss()
+    bases, honest = [], lavoue_open.enriched
+
+    def noted(mesh, target, *, diffuse=False):
+        bases.append((len(mesh.points), diffuse))
+        return honest(mesh, target, diffuse=diffuse)
+
+    def folding(mesh, *how):
+        found = optimised(mesh, *how)
+        last_was_put_in = bases and not bases[-1][1]
+        return replace(found, away=0.5 if last_was_put_in else 0.0, within=False)
+
+    optimised = lavoue_open.optimised
+    monkeypatch.setattr(lavoue_open, "enriched", noted)
+    monkeypatch.setattr(lavoue_open, "optimised", folding)
+    start = start_of(points, triangles)
+    found = fit_open(start, mesh_target(points, triangles), curvature_field(points, triangles), most_vertices=40)
+    assert not found.within
+    assert bases[:2] == [(len(start.points), False), (len(start.points), True)]
+    assert found.away == 0.0
+
+
 def test_faces_that_a_field_only_touches_are_not_concerned():
     """Two triangles with the side 1-2 between them, each cut in three at its middle: 6 and 7 lie inside."""
     triangles = np.array([[0, 1, 6], [0, 6, 2], [1, 2, 6], [1, 5, 7], [5, 2, 7], [2, 1, 7]], np.int32)
@@ -108,6 +133,9 @@ def test_one_face_with_a_local_error_gets_its_vertex_where_the_error_is():
     found = enriched(start, mesh_target(points, triangles))
     assert len(found.points) == len(start.points) + 1
     np.testing.assert_allclose(found.points[-1], [0, 0, 0.2], atol=0.1)  # an edge of the target
+    refined = enriched(start, mesh_target(points, triangles), diffuse=True)
+    assert len(refined.points) > len(start.points)
+    assert refined.points[len(start.points) :, 2].max() < 0.1  # on the faces as they were
 
 
 def test_rounds_are_run_before_vertices_are_added():

@@ -22,8 +22,9 @@ _SAMPLES = 12
 """Samples of the curve a control segment, and the fewest of a curve."""
 _FEWEST_SAMPLES = 48
 _ROUNDS = 15
-_SETTLED = 1e-3
-"""A fit has settled when its error changes by less than this share in a round."""
+"""Rounds of minimisation of a curve at most."""
+_SETTLED, _GAVE_UP = 1e-3, 2e-2
+"""A fit has settled when its error changes by less than this share in a round; one that will be moved again, by this."""
 _EVENNESS = 0.05
 """Share of control points that are spread evenly along the arc, whatever the curvature."""
 _PLACEMENTS = ((0.5, 0.0), (0.25, 0.0), (0.5, 0.3), (0.25, 0.6))
@@ -35,15 +36,13 @@ _VAIN = 8
 _FINE = 16
 """Samples of the curve a control segment where its error is measured."""
 _IDLE = 4
-"""Control points whose removal is tried at the end."""
+"""Control points whose removal is tried at the end, of a curve that will be moved again."""
+_SPARE = 3
+"""Control points more with which the removal of all that can go begins as well."""
 _END = 0.5
 """What counts as an end, in even segments."""
 _STIFFNESS = 1e-7
 """Weight of second differences of control points, which only decides where nothing else does."""
-
-
-_GAVE_UP = 2e-2
-"""The same where curves will be moved again."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +62,7 @@ class CurveFit:
     ----------
     curve : the subdivision curve; an open one begins and ends at the polyline's ends.
     error : largest distance of the polyline's points from the curve, and of samples of the curve from the polyline.
-    iterations : rounds of minimisation of the last fit.
+    iterations : rounds of minimisation after which it was nearest.
     """
 
     curve: SubdivisionCurve
@@ -90,7 +89,8 @@ def fit_curve(
     -------
     CurveFit
         One that meets the tolerance, by doubling and bisection from a straight line or a triangle, and, where that
-        takes many control points, by growing where it is farthest off; where `most` control points do not, the best.
+        takes many control points, by growing where it is farthest off; without the control points that can go. Where
+        `most` control points do not meet it, the best.
 
     Raises
     ------
@@ -118,9 +118,14 @@ def fit_curve(
         middle = (low + high) // 2
         tried = _placed(target, middle, how)
         low, high, found = (low, middle, tried) if tried.error <= tolerance else (middle, high, found)
-    if not quick and high > _MANY:
+    if quick:
+        return _without_idle(target, found, tolerance, how)
+    if high > _MANY:
         found = _grown(target, high - 1, tolerance, how) or found
-    return _without_idle(target, found, tolerance, how)
+    counts = range(len(found.curve.points) + 1, most + 1)[:_SPARE]
+    begins = [found, *(_placed(target, count, how) for count in counts)]
+    fits = [_without_knots(target, fit, tolerance, how) for fit in begins if fit.error <= tolerance]
+    return min(fits, key=lambda fit: len(fit.curve.points))
 
 
 def _grown(target: Polyline, most: int, tolerance: float, how: _Effort) -> CurveFit | None:
@@ -288,12 +293,17 @@ def knots_removed(target: Polyline, tolerance: float, *, begin: int) -> CurveFit
     while best.error > tolerance and begin < len(target.points):
         begin += 1
         best = fit_with(target, begin)
-    while len(best.curve.points) > 2 + target.closed:
-        points = best.curve.points
+    return _without_knots(target, best, tolerance, _Effort())
+
+
+def _without_knots(target: Polyline, fit: CurveFit, tolerance: float, how: _Effort) -> CurveFit:
+    """Take out the control point whose loss hurts least, again and again while the tolerance holds."""
+    while len(fit.curve.points) > 2 + target.closed:
+        points = fit.curve.points
         removable = range(len(points)) if target.closed else range(1, len(points) - 1)
-        tries = [minimise(target, SubdivisionCurve(np.delete(points, k, axis=0), target.closed)) for k in removable]
-        found = min(tries, key=lambda fit: fit.error)
+        fewer = [SubdivisionCurve(np.delete(points, k, axis=0), target.closed) for k in removable]
+        found = min((_minimised(target, curve, how) for curve in fewer), key=lambda fit: fit.error)
         if found.error > tolerance:
             break
-        best = found
-    return best
+        fit = found
+    return fit

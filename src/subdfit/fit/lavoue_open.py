@@ -83,7 +83,7 @@ def fit_open(
         raise InputError(f"the tolerance of the mean distance is {tolerance}; give a positive length")
     if tolerance is None:
         tolerance = 5e-3 * float(np.ptp(target.points[target.used], axis=0).max())
-    mesh, best, vain = start, None, 0
+    mesh, best, vain, refined = start, None, 0, None
     history: list[tuple[int, float]] = []
     while True:
         found = optimised(mesh, target, field, tolerance, rounds, history)
@@ -93,7 +93,10 @@ def fit_open(
         vain += 1
         if found.within or vain > _VAIN or len(mesh.points) >= most_vertices:
             return best
-        mesh = enriched(found.mesh, target)
+        # Folds stay, however many vertices follow: once it folds, the best is refined where it got a vertex before.
+        folds = found.away > MOST_AWAY >= best.away and best is not refined
+        refined = best if folds else refined
+        mesh = enriched(best.mesh if folds else found.mesh, target, diffuse=folds)
 
 
 def optimised(
@@ -139,7 +142,7 @@ def _errors(mesh: ControlMesh, target: Target) -> tuple[float, float]:
     return float(max(there.distance.mean(), back.distance.mean())), away
 
 
-def enriched(mesh: ControlMesh, target: Target) -> ControlMesh:
+def enriched(mesh: ControlMesh, target: Target, *, diffuse: bool = False) -> ControlMesh:
     """One enrichment: of the faces in which the principal error field lies.
 
     A field with a centre is a fault of the connectivity: its faces are merged round a new vertex. A diffuse one, or one
@@ -157,7 +160,7 @@ def enriched(mesh: ControlMesh, target: Target) -> ControlMesh:
     inner[mesh.topology.edge_vertices[mesh.topology.boundary_edges]] = False
     around = [set(np.flatnonzero(mesh.topology.face_vertices == v)) for v in np.flatnonzero(inner)]
     holds_vertex = any({int(mesh.topology.face[h]) for h in corners} <= set(chosen) for corners in around)
-    local = not holds_vertex and not is_diffuse(distance, field)
+    local = not diffuse and not holds_vertex and not is_diffuse(distance, field)
     if not (local and faces.merge_and_insert(chosen, place)):
         faces.enrich_each(chosen)
     return faces.frozen(mesh)
