@@ -10,7 +10,7 @@ from benchmarks.common import MODELS, table
 from benchmarks.paper import ROWS, Row
 
 STAGES = {
-    "start (QEM)": [("subdfit.fit.driver", "start_mesh")],
+    "start (QEM)": [("subdfit.fit.starts", "start_mesh")],
     "footpoints": [
         ("subdfit.closest.projection.Projector", "refine"),
         ("subdfit.closest.projection.Projector", "start"),

@@ -89,7 +89,9 @@ def test_an_interrupt_while_thinning_returns_the_lightest_so_far(sphere):
 
     result = subdfit.fit(sphere, max_error="0.1%", thin=True, progress=interrupt)
     assert result.status == "interrupted"
+    assert result.certified
     assert len(result.control_mesh.points) == counts[-1] < counts[-2]
+    assert result.measurement.max == pytest.approx(subdfit.measure(result.control_mesh, sphere).max, rel=1e-6)
 
 
 def test_an_interrupt_returns_the_best_so_far(sphere):

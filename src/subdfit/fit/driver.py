@@ -52,7 +52,7 @@ class Progress(NamedTuple):
 
     Attributes
     ----------
-    stage : ``start``, ``fit`` or ``certificate``.
+    stage : ``start``, ``fit`` or ``thin``.
     iteration, control_vertices : where the fit stands.
     max, rms : errors as shares of the diagonal.
     seconds : since the fit began.
@@ -279,11 +279,11 @@ def _advanced(run: _Run, start: Start, unit: str | None) -> FitResult:
             state, measurement = _iterate(run, start)
             surface = state.surface
             if measurement is not None and (settings.thin or settings.method == "lavoue"):
-                surface, measurement = _thinned(run, state, measurement)
+                surface, measurement, interrupted = _thinned(run, state, measurement)
         except KeyboardInterrupt:
             if run.best is None:
                 raise
-            interrupted, surface = True, run.best.surface
+            interrupted, surface, measurement = True, run.best.surface, None
     measurement = measurement or _measured(run, surface, start.state.data.target)
     return _result(run, surface, measurement, interrupted, unit)
 
@@ -320,19 +320,22 @@ def _strays(measurement: Measurement, tolerance: Tolerance) -> float:
     return 0.0 if tolerance.max is None else measurement.reverse_excess / tolerance.max
 
 
-def _thinned(run: _Run, state: FitState, measurement: Measurement) -> tuple[LimitSurface, Measurement]:
-    """The lightest fit with a certificate; the given one, which is measured, where there is none."""
-    tolerance, lighter = run.settings.tolerance, []
-    for found in Thinning(run.settings).lighter(state):
-        run.record_lighter(found)
-        # Only the mesh: what surfaces are compiled to would take gigabytes.
-        lighter.append(found.surface.control_mesh)
+def _thinned(run: _Run, state: FitState, measurement: Measurement) -> tuple[LimitSurface, Measurement, bool]:
+    """The lightest fit with a certificate; the given one, which is measured, where there is none. Last, if interrupted."""
+    tolerance, lighter, interrupted = run.settings.tolerance, [], False
+    try:
+        for found in Thinning(run.settings).lighter(state):
+            # Only the mesh: what surfaces are compiled to would take gigabytes.
+            lighter.append(found.surface.control_mesh)
+            run.record_lighter(found)
+    except KeyboardInterrupt:
+        interrupted = True
     for mesh in reversed(lighter):
         surface = LimitSurface(mesh, state.surface.scheme)
         measured = _measured(run, surface, state.data.target)
         if measured.certifies(tolerance) or (measured.meets(tolerance) and not measurement.certifies(tolerance)):
-            return surface, measured
-    return state.surface, measurement
+            return surface, measured, interrupted
+    return state.surface, measurement, interrupted
 
 
 def _measured(run: _Run, surface: LimitSurface, target: Target) -> Measurement:

@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import breadth_first_order, maximum_flow
 
-_UNITS = 1e6
-"""Whole units of flow that the largest cut may have."""
+_UNITS = 2.0**30
+"""Whole units of flow that all links together may take, so that no residue overflows 32 bits."""
 
 
 def source_side(
