@@ -24,7 +24,7 @@ _FEWEST_SAMPLES = 48
 _ROUNDS = 15
 """Rounds of minimisation of a curve at most."""
 _SETTLED, _GAVE_UP = 1e-3, 2e-2
-"""A fit has settled when its error changes by less than this share in a round; one that will be moved again, by this."""
+"""A fit has settled when its error changes by less than this share in a round; more where it will be moved again."""
 _EVENNESS = 0.05
 """Share of control points that are spread evenly along the arc, whatever the curvature."""
 _PLACEMENTS = ((0.5, 0.0), (0.25, 0.0), (0.5, 0.3), (0.25, 0.6))

@@ -321,7 +321,7 @@ def _strays(measurement: Measurement, tolerance: Tolerance) -> float:
 
 
 def _thinned(run: _Run, state: FitState, measurement: Measurement) -> tuple[LimitSurface, Measurement, bool]:
-    """The lightest fit with a certificate; the given one, which is measured, where there is none. Last, if interrupted."""
+    """The lightest fit with a certificate, or the given one, which is measured; and whether Ctrl-C came."""
     tolerance, lighter, interrupted = run.settings.tolerance, [], False
     try:
         for found in Thinning(run.settings).lighter(state):
