@@ -138,13 +138,21 @@ def test_fandisk_is_lighter_than_the_paper_has_it_and_as_near(meshes):
     [
         ({"scheme": "loop"}, "choose the scheme quad-triangle or catmull-clark"),
         ({"control_vertices": 100}, "give no number"),
-        ({"max_control_vertices": 10, "max_error": "0.1%"}, "control vertices; allow so many"),
     ],
 )
 def test_what_cannot_be_is_refused_in_one_line(drilled, options, what):
     with pytest.raises(InputError, match=what) as caught:
         subdfit.fit(drilled, method="lavoue", **{"scheme": "quad-triangle", **options})
     assert "\n" not in str(caught.value)
+
+
+def test_a_budget_below_the_parts_own_curves_gives_the_best_effort(drilled, caplog):
+    found = subdfit.fit(
+        drilled, method="lavoue", scheme="quad-triangle", max_error="0.1%", max_control_vertices=18, creases=30
+    )
+    assert found.status == "best_effort"
+    assert len(found.control_mesh.points) <= 18
+    assert "control vertices for 18 allowed" in caplog.text
 
 
 def test_clouds_are_refused(drilled):

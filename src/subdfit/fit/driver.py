@@ -211,7 +211,7 @@ def _fitted_from_own_faces(run: _Run, unit: str | None) -> FitResult | None:
         logger.info("%s", error)
         return None
     with run.timed("footpoints"):
-        start = own_start(state, run.fitter())
+        start = own_start(state, run.settings, run.fitter())
     return None if start is None else _advanced(run, start, unit)
 
 
@@ -257,13 +257,13 @@ def _off(found: FitResult) -> tuple[bool, float]:
 
 
 def _first_state(run: _Run) -> FitState:
-    """The first control mesh with the footpoints of the data."""
+    """The first control mesh with the footpoints of the data that count."""
     settings = run.settings
     with run.timed("start"):
         inside, mesh = started(run.target.normalised(run.frame), settings)
         data = FitData.of(inside, settings.sample_spacing, error_that_matters(settings.tolerance))
     with run.timed("footpoints"):
-        return FitState.start(data, LimitSurface(mesh, settings.scheme))
+        return run.excused(FitState.start(data, LimitSurface(mesh, settings.scheme)))
 
 
 def _advanced(run: _Run, start: Start, unit: str | None) -> FitResult:

@@ -119,7 +119,7 @@ def lavoue_start(target: Target, settings: FitSettings) -> tuple[Target, Control
     Raises
     ------
     InputError
-        The target is a cloud, or the settings do not suit the method, or the part needs more vertices than it may have.
+        The target is a cloud, or the settings do not suit the method.
     """
     require_lavoue(settings.scheme, settings.control_vertices)
     if target.cloud:
@@ -128,7 +128,4 @@ def lavoue_start(target: Target, settings: FitSettings) -> tuple[Target, Control
     asked = {key: getattr(settings.tolerance, key) for key in CURVES}
     bound = min(CURVES[key] * value for key, value in asked.items() if value)
     mesh = replace(whole_start(part, bound), scheme=settings.scheme)
-    count, most = mesh.topology.vertex_count, settings.max_control_vertices
-    if most is not None and count > most:
-        raise InputError(f"the part's faces and edges take {count} control vertices; allow so many, or a larger error")
     return replace(target, crease_edges=along_edges(target.points, target.triangles, part.target.crease_edges)), mesh

@@ -27,6 +27,7 @@ LOST = 0.01
 """Share of the surface that faces the wrong way after the first round from a part's own curves, from which no later
 round unfolds it: of parts whose fits were certified it was .0087 at most, of others .016 and more."""
 DECIMATED = "between the part's own curves alone its sheets would be mixed up; the fit begins with its mesh decimated"
+MANY = "the part's faces and edges take %d control vertices for %d allowed; the fit begins with its mesh decimated"
 UNCERTIFIED = "from the part's own curves the fit is not certified; it begins again with its mesh decimated"
 
 
@@ -60,22 +61,29 @@ def parted(state: FitState, settings: FitSettings, fitter: Callable[[], Fitter])
 
     The first round of a new `fitter` shows whether they stay mixed up.
     """
-    state = _excused(state, settings)
     if settings.control_vertices is not None:
         return Start(state, fitter())
     if settings.method != "lavoue":
         return _parted_by_more(state, settings, fitter)
-    start = own_start(state, fitter())
+    start = own_start(state, settings, fitter())
     if start is not None:
         return start
-    logger.warning("%s", DECIMATED)
+    count, most = state.surface.topology.vertex_count, settings.max_control_vertices
+    logger.warning("%s", MANY % (count, most) if _too_many(state, settings) else DECIMATED)
     return _from_mesh(state, settings, fitter)
 
 
-def own_start(state: FitState, fitter: Fitter) -> Start | None:
-    """The first state between a part's own curves; None where it would mix up the part's sheets for good."""
+def own_start(state: FitState, settings: FitSettings, fitter: Fitter) -> Start | None:
+    """The first state between a part's own curves; None where it is too large, or mixes up the part's sheets for good."""
+    if _too_many(state, settings):
+        return None
     found, advanced = mixed_sheets(state, fitter)
     return Start(state, fitter, advanced, own=True) if found is None or found.share <= LOST else None
+
+
+def _too_many(state: FitState, settings: FitSettings) -> bool:
+    """Whether a state has more control vertices than the fit may have."""
+    return state.surface.topology.vertex_count > (settings.max_control_vertices or np.inf)
 
 
 def second_start(start: Start, best: FitState, settings: FitSettings, fitter: Callable[[], Fitter]) -> Start | None:
