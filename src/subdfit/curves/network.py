@@ -15,8 +15,6 @@ from subdfit.target.network import Arc
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-_FEWEST_CLOSED = 4
-"""Control points of a closed arc, at least: with three, the faces on both sides may be the same triangle."""
 _AHEAD = 3
 """Edges from which the direction in which an arc leaves a node is taken."""
 _STRAIGHT = np.cos(np.radians(40.0))
@@ -24,7 +22,7 @@ _STRAIGHT = np.cos(np.radians(40.0))
 _EDGES = 4
 """Edges of the mesh a control segment, at least: more control points would follow the tessellation."""
 _FEWEST_ROUND = 3
-"""Segments of an arc that ends where it begins."""
+"""Segments of an arc that is closed, or ends where it begins."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +107,7 @@ def _fit(points: Floats, arc: Arc, tolerance: float, fewest: int) -> tuple[Subdi
 def _fewest(tips: Indices, joined: set[tuple[int, int]]) -> int:
     """Control points that an arc between two nodes needs so that no two control edges join the same points."""
     if len(tips) == 0:
-        return _FEWEST_CLOSED
+        return _FEWEST_ROUND
     if tips[0] == tips[1]:
         return _FEWEST_ROUND + 1
     return 3 if _pair(tips) in joined else 2

@@ -74,7 +74,7 @@ def parted(state: FitState, settings: FitSettings, fitter: Callable[[], Fitter])
 
 
 def own_start(state: FitState, settings: FitSettings, fitter: Fitter) -> Start | None:
-    """The first state between a part's own curves; None where it is too large, or mixes up the part's sheets for good."""
+    """The first state between a part's own curves; None where it is too large, or mixes up sheets for good."""
     if _too_many(state, settings):
         return None
     found, advanced = mixed_sheets(state, fitter)
