@@ -1,5 +1,6 @@
 """Thin parts: a surface that mixes their sheets up is noticed, and the fit begins with more control vertices."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -13,9 +14,10 @@ from subdfit.fit.sheets import mixed, mixed_sheets
 from subdfit.fit.starts import Start, parted, second_start
 from subdfit.fit.state import FitState
 from subdfit.fit.tangential import Tangential
+from subdfit.fit.thinning import Thinning
 from subdfit.initial.start import start_mesh
 from subdfit.limit.surface import LimitSurface
-from subdfit.measure import Tolerance
+from subdfit.measure import Measurement, Tolerance
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.target.frame import Frame
 from subdfit.target.target import mesh_target
@@ -95,3 +97,22 @@ def test_the_round_that_was_looked_at_is_the_first_of_the_fit() -> None:
 
 def test_a_plate_of_some_tolerances_is_certified() -> None:
     assert subdfit.fit(ball_with_plate(3e-3), max_error="0.1%", creases="none").certified
+
+
+def test_a_fit_whose_sheets_fell_together_is_not_thinned_before_another_begins(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Between a ring's own curves 20 control vertices begin; the second start has more."""
+    ring = trimesh.creation.annulus(0.5, 1, 0.6, sections=48).subdivide_to_size(0.25)
+    target, thinned = (np.asarray(ring.vertices), np.asarray(ring.faces)), list[int]()
+
+    def lighter(self: Thinning, state: FitState) -> Iterator[FitState]:
+        thinned.append(state.surface.topology.vertex_count)
+        return iter(())
+
+    monkeypatch.setattr(Thinning, "lighter", lighter)
+    subdfit.fit(target, scheme="quad-triangle", method="lavoue", max_error="0.5%")
+    assert thinned == [20]
+    thinned.clear()
+    monkeypatch.setattr(Measurement, "sheets_fell_together", True)
+    subdfit.fit(target, scheme="quad-triangle", method="lavoue", max_error="0.5%")
+    assert len(thinned) == 1
+    assert thinned[0] > 20

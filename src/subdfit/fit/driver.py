@@ -278,7 +278,7 @@ def _advanced(run: _Run, start: Start, unit: str | None) -> FitResult:
             run.record("start", start.state, start.fitter)
             state, measurement = _iterate(run, start)
             surface = state.surface
-            if measurement is not None and (settings.thin or settings.method == "lavoue"):
+            if measurement is not None and _is_thinned(settings, start, measurement):
                 surface, measurement, interrupted = _thinned(run, state, measurement)
         except KeyboardInterrupt:
             if run.best is None:
@@ -318,6 +318,12 @@ def _iterate(run: _Run, start: Start) -> tuple[FitState, Measurement | None]:
 def _strays(measurement: Measurement, tolerance: Tolerance) -> float:
     """How far the surface lies off between the data, in tolerances; 0 where no largest error is asked."""
     return 0.0 if tolerance.max is None else measurement.reverse_excess / tolerance.max
+
+
+def _is_thinned(settings: FitSettings, start: Start, measurement: Measurement) -> bool:
+    """Whether a fit is made lighter: not one whose sheets fell together where another begins from the part's mesh."""
+    wanted = settings.thin or settings.method == "lavoue"
+    return wanted and not (start.own and measurement.sheets_fell_together)
 
 
 def _thinned(run: _Run, state: FitState, measurement: Measurement) -> tuple[LimitSurface, Measurement, bool]:
