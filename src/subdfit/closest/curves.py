@@ -188,11 +188,12 @@ class SurfaceCurves:
         self, points: Floats, side: NDArray[np.int64], t: Floats, first_side: NDArray[np.int64], first_t: Floats
     ) -> CurveProjection:
         """Keep the start where Newton's method ended farther away."""
-        before = self._expand(first_side, first_t)[0]
-        after = self._expand(side, t)[0]
+        before, before_tangent, _ = self._expand(first_side, first_t)
+        after, after_tangent, _ = self._expand(side, t)
         worse = np.linalg.norm(after - points, axis=1) > np.linalg.norm(before - points, axis=1)
         side, t = np.where(worse, first_side, side), np.where(worse, first_t, t)
-        position, tangent, _ = self._expand(side, t)
+        position = np.where(worse[:, None], before, after)
+        tangent = np.where(worse[:, None], before_tangent, after_tangent)
         length = np.linalg.norm(tangent, axis=1, keepdims=True)
         tangent = np.divide(tangent, length, out=np.zeros_like(tangent), where=length > 0)
         face, uv = self.locate(side, t)

@@ -116,6 +116,7 @@ class TypeStore(Generic[Kind]):
 
     def _learn(self, kinds: list[Kind]) -> None:
         if not self._found:
-            self._arena = Arena(self._limit)
+            # The types that first exceed the limit fit as well: to move all would take as long as to make many.
+            self._arena = Arena(self._limit + self._limit // 4)
         if kinds:
             self._found |= zip(kinds, self._make(kinds, self._arena), strict=True)
