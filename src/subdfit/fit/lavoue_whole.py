@@ -13,6 +13,7 @@ from subdfit.target.features import automatic_creases, edges_among
 from subdfit.target.network import Cuts, curve_network
 from subdfit.target.segmentation import SegmentationSettings, segment_mesh
 from subdfit.target.segmentation_cutting import halved, part_cuts, without_handles
+from subdfit.target.segmentation_noise import noise_of
 from subdfit.target.segmentation_slivers import without_slivers
 from subdfit.target.target import Target
 
@@ -30,10 +31,12 @@ class CutPart:
     ----------
     target : without needles; its creases are those along which it is cut.
     cuts : borders of its faces, creases, its boundary.
+    noise : standard deviation of the target's points, 0 for none that matters.
     """
 
     target: Target
     cuts: Cuts
+    noise: float = 0.0
 
 
 def cut_part(target: Target, settings: SegmentationSettings | None = None) -> CutPart:
@@ -58,7 +61,8 @@ def cut_part(target: Target, settings: SegmentationSettings | None = None) -> Cu
     cuts = part_cuts(target.points, triangles, regions.labels, regions.feature_edges)
     cuts = without_handles(target.points, triangles, cuts)
     inner = cuts.exact & ~edges_among(cuts.edges, target.boundary_edges)
-    return CutPart(replace(target, crease_edges=cuts.edges[inner]), cuts)
+    noise = noise_of(target.points, triangles, creases)
+    return CutPart(replace(target, crease_edges=cuts.edges[inner]), cuts, noise)
 
 
 def whole_start(part: CutPart, tolerance: float) -> ControlMesh:
@@ -81,7 +85,8 @@ def whole_start(part: CutPart, tolerance: float) -> ControlMesh:
         fitted = fit_network(points, network.arcs, tolerance)
         corners = np.flatnonzero(np.isin(fitted.nodes, np.union1d(turns, bent_nodes(points, network.arcs))))
         try:
-            return join_patches(points, network, fitted.points, fitted.limits, fitted.chains, fitted.places, corners)
+            controls, limits, chains, places = fitted.points, fitted.limits, fitted.chains, fitted.places
+            return join_patches(points, network, controls, limits, chains, places, corners, part.noise)
         except PatchError as error:
             if tried == _MOST_CUTS:
                 raise

@@ -17,7 +17,7 @@ from subdfit.initial.lavoue_patch import patch_faces
 from subdfit.initial.lavoue_scores import ScoredSurface
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.mesh.topology import Topology
-from subdfit.target.curvature import curvature_field
+from subdfit.target.curvature import curvature_field, curvature_in_noise
 from subdfit.target.network import Network, Patch
 
 Floats = NDArray[np.float64]
@@ -41,6 +41,7 @@ def join_patches(
     chains: Sequence[Indices],
     places: Sequence[Floats],
     corners: Indices,
+    noise: float = 0.0,
 ) -> ControlMesh:
     """Control mesh whose vertices are the control points of a network's arcs.
 
@@ -51,6 +52,7 @@ def join_patches(
     controls, limits : (k, 3) float64, control points and their limits.
     chains, places : control points of each arc, and where they lie along it (see `ControlNetwork`).
     corners : control points that stay in place although no more than two sharp arcs meet there.
+    noise : standard deviation of the target's points, 0 for none.
 
     Returns
     -------
@@ -69,7 +71,7 @@ def join_patches(
     faces: list[Ring] = []
     for number, patch in enumerate(network.patches):
         try:
-            found = patch_faces(_surface(points, patch), patch.loops, chains, places, controls, limits, taken)
+            found = patch_faces(_surface(points, patch, noise), patch.loops, chains, places, controls, limits, taken)
         except InputError as error:
             raise PatchError(number, str(error)) from error
         rings = list(found.faces)
@@ -95,9 +97,9 @@ def _pairs(closed: bool, chain: Indices) -> list[tuple[int, int]]:
     return list(pairwise([*rows, rows[0]] if closed else rows))
 
 
-def _surface(points: Floats, patch: Patch) -> ScoredSurface:
-    own = points[patch.origin]
-    return ScoredSurface(own, patch.triangles, curvature_field(own, patch.triangles))
+def _surface(points: Floats, patch: Patch, noise: float) -> ScoredSurface:
+    own, faces = points[patch.origin], patch.triangles
+    return ScoredSurface(own, faces, curvature_in_noise(own, faces, noise) if noise else curvature_field(own, faces))
 
 
 def _without_thin(faces: list[Ring], positions: list[Floats]) -> list[Ring]:

@@ -15,7 +15,8 @@ from subdfit.limit.curvature import PrincipalCurvature, principal_curvature, uni
 from subdfit.parallel import map_chunks
 from subdfit.target._curvature_kernels import ball_measures
 from subdfit.target.features import Edges, mesh_edges
-from subdfit.target.normals import face_normals
+from subdfit.target.local_quadrics import NEAREST, local_quadrics
+from subdfit.target.normals import face_normals, vertex_normals
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.integer]
@@ -86,6 +87,26 @@ def curvature_field(points: Floats, triangles: Integers, radius: float | Floats 
     field = CurvatureField(faces, np.zeros((len(points), 3, 3)), np.zeros((len(points), 3)))
     field.tensors[used], field.normals[used] = tensors, normals
     return field
+
+
+def curvature_in_noise(points: Floats, triangles: Integers, noise: float) -> CurvatureField:
+    """Curvature tensors at the vertices of a smooth piece of surface whose triangles noise turns; by local quadrics.
+
+    Where it has too few vertices for these, the tensors are those of `curvature_field`.
+
+    Parameters
+    ----------
+    points : (n, 3) float64, all of the piece.
+    triangles : (m, 3) int, rows of `points`, oriented alike, at most two an edge.
+    noise : standard deviation of the points, more than 0.
+    """
+    if len(points) < NEAREST:
+        return curvature_field(points, triangles)
+    found = local_quadrics(points, points, noise)
+    facing = np.sum(found.normals * vertex_normals(points, triangles), axis=1)
+    side = np.where(facing < 0, -1.0, 1.0)
+    tensors, normals = side[:, None, None] * found.tensors, side[:, None] * found.normals
+    return CurvatureField(np.ascontiguousarray(triangles, np.int32), tensors, normals)
 
 
 def default_radius(points: Floats, edges: Edges) -> float:

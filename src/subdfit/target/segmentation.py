@@ -19,6 +19,7 @@ from subdfit.target.segmentation_carrying import on_all_triangles
 from subdfit.target.segmentation_clusters import cluster, grow
 from subdfit.target.segmentation_facets import Facets, Flags, Labels
 from subdfit.target.segmentation_gaps import crease_gaps
+from subdfit.target.segmentation_meeting import where_faces_meet
 from subdfit.target.segmentation_merging import Adjacency, absorb, merge_regions
 from subdfit.target.segmentation_noise import noise_of, without_noise
 from subdfit.target.segmentation_planes import with_planes
@@ -114,7 +115,8 @@ def segment_mesh(target: Target, settings: SegmentationSettings | None = None, *
     if find_creases:
         gaps = crease_gaps(coarse.points, coarse.triangles, found.labels, features)
         features = np.concatenate([features, gaps])
-    return Regions(*on_all_triangles(points, triangles, coarse, found.labels, features))
+    carried = on_all_triangles(points, triangles, coarse, found.labels, features)
+    return Regions(*where_faces_meet(points, triangles, *carried, noise))
 
 
 def _segment(
