@@ -13,7 +13,7 @@ from subdfit.errors import InputError
 from subdfit.limit.curvature import unit
 from subdfit.mesh.short_edges import without_short_edges
 from subdfit.target.features import edges_among, mesh_edges
-from subdfit.target.segmentation import SegmentationSettings, segment_mesh
+from subdfit.target.segmentation import SegmentationSettings, _without_folds, segment_mesh
 from subdfit.target.segmentation_carrying import on_all_triangles
 from subdfit.target.segmentation_clusters import cluster, grow
 from subdfit.target.segmentation_facets import Facets
@@ -49,6 +49,17 @@ def filleted_bend(radius=0.5, step=0.1):
     lines = [np.stack([flat, 0 * flat], 1), arc, np.stack([0 * flat + 2 + radius, -radius - flat - step], 1)]
     kind = np.repeat([0, 1, 2], [len(flat), len(arc) - 1, len(flat)])
     return extruded(np.concatenate(lines), kind)
+
+
+def test_a_fold_between_two_faces_goes_to_one_of_them():
+    """A small triangle that lies upside down on both faces beside it joins one, and does not join the two."""
+    points = np.array([[0, 0, 0], [0, 1, 0], [-0.02, 0.5, 0], [-3, 0.5, 0], [3, 0.5, 0]])
+    triangles = np.array([[1, 0, 3], [0, 1, 2], [2, 1, 4], [0, 2, 4]], np.int32)
+    edges = mesh_edges(points, triangles)
+    facets = Facets(points, triangles, edges, np.zeros(len(edges.vertices), np.bool_), 0.5)
+    found = _without_folds(facets, np.array([0, 1, 2, 2]))
+    assert found[2] == found[3] != found[0]
+    assert found[1] in (found[0], found[2])
 
 
 def agreement(found, known):

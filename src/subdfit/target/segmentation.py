@@ -20,7 +20,7 @@ from subdfit.target.segmentation_clusters import cluster, grow
 from subdfit.target.segmentation_facets import Facets, Flags, Labels
 from subdfit.target.segmentation_gaps import crease_gaps
 from subdfit.target.segmentation_meeting import where_faces_meet
-from subdfit.target.segmentation_merging import Adjacency, absorb, merge_regions
+from subdfit.target.segmentation_merging import Adjacency, absorb, merge_regions, renumbered
 from subdfit.target.segmentation_noise import noise_of, without_noise
 from subdfit.target.segmentation_planes import with_planes
 from subdfit.target.segmentation_rectification import border_costs, rectify
@@ -116,7 +116,8 @@ def segment_mesh(target: Target, settings: SegmentationSettings | None = None, *
         gaps = crease_gaps(coarse.points, coarse.triangles, found.labels, features)
         features = np.concatenate([features, gaps])
     carried = on_all_triangles(points, triangles, coarse, found.labels, features)
-    return Regions(*where_faces_meet(points, triangles, *carried, noise))
+    labels, features = where_faces_meet(points, triangles, *carried, noise)
+    return Regions(renumbered(labels), features)
 
 
 def _segment(
@@ -157,12 +158,17 @@ def segment_facets(facets: Facets, settings: SegmentationSettings) -> Labels:
 
 
 def _without_folds(facets: Facets, labels: Labels) -> Labels:
-    """Regions smaller than a ball that are folded over their neighbours all round go to these."""
+    """Regions smaller than a ball that are folded over their neighbours all round go to one of these."""
+    labels = renumbered(labels)
     border = facets.borders(labels)
     upright = labels[facets.edges.faces[border & (facets.edges.angle <= FOLDED)]]
     folded = np.bincount(labels, facets.areas) < np.pi * facets.radius**2
     folded[upright] = False
-    return facets.connected(~border | folded[labels[facets.edges.faces]].any(axis=1))
+
+    def size(graph: Adjacency, region: int) -> float:
+        return graph.area[region] if folded[region] else np.inf
+
+    return absorb(facets, labels, size, np.inf, over_sharp=True)
 
 
 def _without_hairs(facets: Facets, labels: Labels) -> Labels:
