@@ -22,7 +22,7 @@ WIDE = np.radians(200.0)
 """The angle of a corner from which it is parted: clearly more than a straight one, which meshes give or take some
 degrees."""
 ALIKE = np.radians(15.0)
-"""Ways to part a corner count as alike whose larger angles are alike to this."""
+"""Ways to part a corner count as alike to the best whose larger angles exceed its by no more."""
 CORNER, INSIDE, ON_CURVE = range(3)
 """Ends of a crease within, the best first."""
 
@@ -87,8 +87,9 @@ class _Parting:
             ahead = np.cumsum([spoke.angle for spoke in sector])
             if ahead[-1] > WIDE and len(sector) > 1:
                 larger = np.maximum(ahead[:-1], ahead[-1] - ahead[:-1])
-                ends = [spoke.end for spoke in sector[1:]]
-                return min(zip(np.round(larger / ALIKE), map(self._kind, ends), larger, ends, strict=True))[3]
+                alike = np.flatnonzero(larger <= larger.min() + ALIKE)
+                ways = [(larger[k], sector[k + 1].end) for k in alike]
+                return min((self._kind(end), angle, end) for angle, end in ways)[2]
         return None
 
     def _sectors(self, v: int) -> list[list[Spoke]]:
