@@ -15,6 +15,7 @@ from subdfit.curves.polyline import Polyline
 from subdfit.curves.squared_distance import tangential_weights
 from subdfit.curves.subdivision_curve import SubdivisionCurve, curve_weights
 from subdfit.errors import InputError
+from subdfit.mesh.checks import positive_length
 
 Floats = NDArray[np.float64]
 
@@ -95,15 +96,9 @@ def fit_curve(
     Raises
     ------
     InputError
-        The tolerance is not positive, or the chain has fewer than two points or one that is not finite.
+        The tolerance is not positive, or the chain has no length.
     """
-    if len(target.points) < 2:
-        raise InputError(f"a chain of {len(target.points)} points is no curve; give 2 or more")
-    if not np.isfinite(target.points).all():
-        row = int(np.flatnonzero(~np.isfinite(target.points).all(axis=1))[0])
-        raise InputError(f"point {row} of the chain is not finite; leave it out")
-    if not tolerance > 0:
-        raise InputError(f"the tolerance of a curve is {tolerance}; give a positive length")
+    tolerance = checked_tolerance(target, tolerance)
     how = _Effort(signed, tolerance, _GAVE_UP) if quick else _Effort(signed)
     low, high = 1 + target.closed, 2 + target.closed
     most = max(min(most, len(target.points)), high)
@@ -126,6 +121,13 @@ def fit_curve(
     begins = [found, *(_placed(target, count, how) for count in counts)]
     fits = [_without_knots(target, fit, tolerance, how) for fit in begins if fit.error <= tolerance]
     return min(fits, key=lambda fit: len(fit.curve.points))
+
+
+def checked_tolerance(target: Polyline, tolerance: float) -> float:
+    """The tolerance, where a chain can be fitted to it; else raises InputError."""
+    if not target.total > 0:
+        raise InputError("all points of the chain coincide; give a chain of some length")
+    return positive_length(tolerance, "the tolerance of a curve")
 
 
 def _grown(target: Polyline, most: int, tolerance: float, how: _Effort) -> CurveFit | None:
@@ -288,7 +290,15 @@ def knots_removed(target: Polyline, tolerance: float, *, begin: int) -> CurveFit
     It begins with `begin` control points or, where they do not suffice, with the fewest above that do. After each
     removal the rest is fitted again. It tries every control point in every round, and takes far longer than
     `fit_curve`.
+
+    Raises
+    ------
+    InputError
+        The tolerance is not positive, the chain has no length, or there are too few control points to begin with.
     """
+    tolerance, least = checked_tolerance(target, tolerance), 2 + target.closed
+    if begin < least:
+        raise InputError(f"knot removal begins with {begin} control points; give {least} or more")
     best = fit_with(target, begin)
     while best.error > tolerance and begin < len(target.points):
         begin += 1

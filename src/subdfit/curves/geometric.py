@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from subdfit.curves.fitting import CurveFit, two_sided_error
 from subdfit.curves.polyline import Polyline
 from subdfit.curves.subdivision_curve import SubdivisionCurve
-from subdfit.errors import InputError
+from subdfit.mesh.checks import positive_length
 
 Floats = NDArray[np.float64]
 
@@ -45,8 +45,7 @@ def fit_geometric(
     InputError
         A tolerance that is not positive.
     """
-    if not tolerance > 0:
-        raise InputError(f"the tolerance of a curve is {tolerance}; give a positive length")
+    tolerance = positive_length(tolerance, "the tolerance of a curve")
     iteration = 0
     for iteration in range(iterations):
         parameters = footpoints(target.points, curve)

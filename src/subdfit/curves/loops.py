@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from subdfit.curves.fitting import fit_curve, fit_with, two_sided_error
+from subdfit.curves.fitting import checked_tolerance, fit_curve, fit_with, two_sided_error
 from subdfit.curves.polyline import Polyline
 from subdfit.curves.subdivision_curve import SubdivisionCurve
 from subdfit.errors import InputError
@@ -53,10 +53,11 @@ def fit_loop(target: Polyline, tolerance: float, *, least: int = 3) -> FittedLoo
     Raises
     ------
     InputError
-        The polyline is open, or the tolerance not positive.
+        The polyline is open or has no length, or the tolerance is not positive.
     """
     if not target.closed:
         raise InputError("the polyline is open; give a closed one, or fit it with fit_curve")
+    tolerance = checked_tolerance(target, tolerance)
     cuts = target.sharp_points()
     if len(cuts) == 0:
         fit = fit_curve(target, tolerance)

@@ -7,6 +7,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from subdfit.errors import InputError
+from subdfit.mesh.checks import finite_points
 from subdfit.target.bvh import SegmentTree
 
 Floats = NDArray[np.float64]
@@ -27,12 +29,22 @@ class Polyline:
 
     Attributes
     ----------
-    points : (n, 3) float64; a closed chain does not repeat its first point.
+    points : (n, 3) float64, n >= 2; a closed chain does not repeat its first point.
     closed : whether the last point is joined to the first.
+
+    Raises
+    ------
+    InputError
+        Fewer than two points, or one that has not three finite coordinates.
     """
 
     points: Floats
     closed: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "points", finite_points(self.points, "chain"))
+        if len(self.points) < 2:
+            raise InputError("a chain of 1 point is no curve; give 2 or more")
 
     @cached_property
     def _ends(self) -> tuple[Floats, Floats]:

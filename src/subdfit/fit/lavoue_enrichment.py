@@ -5,7 +5,9 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
+from subdfit.errors import InputError
 from subdfit.initial.lavoue_fan import fan, ring_sides
+from subdfit.mesh.checks import finite_points, numbers, row_numbers, row_pairs
 from subdfit.mesh.face_rings import Edge, FaceRings, Ring
 
 Floats = NDArray[np.float64]
@@ -26,7 +28,14 @@ def principal_error_field(distances: Floats, edges: NDArray[np.integer]) -> Flag
     ----------
     distances : (k,) float64, of samples of the surface from the target.
     edges : (e, 2) int, neighbouring samples.
+
+    Raises
+    ------
+    InputError
+        Distances that are none, or an edge that names no sample.
     """
+    distances = _checked_distances(distances)
+    edges = row_pairs(edges, len(distances), "edges")
     significant = distances >= _SIGNIFICANT * distances.max()
     joined = edges[significant[edges].all(axis=1)]
     links = sp.coo_array((np.ones(len(joined), np.int8), joined.T), shape=(len(distances),) * 2)
@@ -35,19 +44,40 @@ def principal_error_field(distances: Floats, edges: NDArray[np.integer]) -> Flag
 
 
 def is_diffuse(distances: Floats, field: Flags) -> bool:
-    """Whether a field has no centre: half of its samples and more come near the largest error."""
+    """Whether a field has no centre: half of its samples and more come near the largest error.
+
+    Raises
+    ------
+    InputError
+        Distances that are none, a field without a sample, or not one flag each.
+    """
+    distances, field = _checked_distances(distances), np.asarray(field)
+    if field.shape != distances.shape or field.dtype != np.bool_ or not field.any():
+        raise InputError(
+            f"the field is {field.dtype} of the shape {field.shape} for {len(distances)} samples; "
+            "give one bool each, one or more of them true"
+        )
     return float(np.mean(distances[field] >= _NEAR * distances.max())) >= _DIFFUSE
 
 
+def _checked_distances(given: Floats) -> Floats:
+    distances = numbers(given, "distances")
+    if distances.ndim != 1 or len(distances) == 0:
+        raise InputError(f"distances have the shape {distances.shape}; give (k,), one or more")
+    if not (np.isfinite(distances) & (distances >= 0)).all():
+        raise InputError("a distance is negative or not finite; give finite ones from 0")
+    return distances
+
+
 class Faces(FaceRings):
-    """Faces open to enrichment."""
+    """Faces open to enrichment; what names no face or vertex raises InputError."""
 
     def merge_and_insert(self, chosen: list[int], place: Floats) -> bool:
         """The local case: faces become one, with a new vertex that is joined to its neighbours.
 
         Nothing is done, and False returned, where the faces do not form a disk, or a crease runs between them.
         """
-        loop = self._outline(chosen)
+        loop, place = self._outline(self._numbers(chosen)), finite_points([place], "new vertex")[0]
         if not loop:
             return False
         self.points.append(place)
@@ -60,6 +90,7 @@ class Faces(FaceRings):
         Nothing is done, and False returned, where they do not form a disk round it, a crease runs between them, or the
         face would have too many corners.
         """
+        row_numbers([vertex], len(self.points), "vertices")
         chosen = [k for k, ring in enumerate(self.rings) if vertex in ring]
         loop = self._outline(chosen)
         if not loop or vertex in loop:
@@ -83,6 +114,7 @@ class Faces(FaceRings):
 
         Both halves of a crease are as sharp as it was.
         """
+        chosen = self._numbers(chosen)
         owner = {(a, b): k for k in chosen for a, b in ring_sides(self.rings[k])}
         middle: dict[Edge, int] = {}
         for a, b in sorted(side for side in owner if side[::-1] in owner and side[0] < side[1]):
@@ -101,6 +133,12 @@ class Faces(FaceRings):
             fresh += fan(loop, len(self.points) - 1, cuts & set(loop))
         self._replace(chosen, fresh)
 
+    def _numbers(self, chosen: list[int]) -> list[int]:
+        rows: list[int] = row_numbers(chosen, len(self.rings), "faces").tolist()
+        if len(set(rows)) < len(rows):
+            raise InputError(f"faces {rows} are not all different; name each once")
+        return rows
+
     def _replace(self, gone: list[int], by: list[Ring]) -> None:
         self.rings = [ring for k, ring in enumerate(self.rings) if k not in set(gone)] + by
 
@@ -111,6 +149,8 @@ class Faces(FaceRings):
             return []
         outer = dict(side for side in sides if side[::-1] not in sides)
         if len(outer) != sum(side[::-1] not in sides for side in sides):
+            return []
+        if not outer:
             return []
         begin = min(outer)
         loop = [begin]

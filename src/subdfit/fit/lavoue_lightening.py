@@ -8,6 +8,7 @@ import numpy as np
 
 from subdfit.fit.lavoue_enrichment import Faces
 from subdfit.fit.lavoue_open import OpenFit, optimised
+from subdfit.mesh.checks import positive_length
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.target.curvature import CurvatureField
 from subdfit.target.target import Target
@@ -27,7 +28,14 @@ def lightened(found: OpenFit, target: Target, field: CurvatureField, tolerance: 
     -------
     OpenFit
         From which no single vertex can be taken out; the boundary is as it was, and no more of the surface faces away.
+
+    Raises
+    ------
+    InputError
+        The tolerance is not positive, or the curvature another mesh's.
     """
+    tolerance = positive_length(tolerance, "the tolerance of the mean distance")
+    field.require_mesh(target.points, target.triangles)
     most_away = found.away
     while found.within:
         before = found

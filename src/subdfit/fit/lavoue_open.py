@@ -15,6 +15,7 @@ from subdfit.fit.lavoue_optimisation import optimise
 from subdfit.limit.surface import LimitSurface
 from subdfit.limit.tessellate import lattice
 from subdfit.measure.facing import MOST_AWAY, share_facing_away
+from subdfit.mesh.checks import positive_length
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.schemes import scheme_named
 from subdfit.target.bvh import TriangleTree
@@ -74,15 +75,14 @@ def fit_open(
     Raises
     ------
     InputError
-        The scheme has no faces of any number of sides, the tolerance is not positive, the target is a point cloud, or
-        the curvature another mesh's.
+        The scheme has no faces of any number of sides, the tolerance is not positive, the target is a point cloud, the
+        curvature another mesh's, or one of start and target is open and the other closed.
     """
     if start.scheme not in SCHEMES:
         raise InputError(f"faces are enriched by quads and triangles; choose the scheme {' or '.join(SCHEMES)}")
-    if tolerance is not None and not tolerance > 0:
-        raise InputError(f"the tolerance of the mean distance is {tolerance}; give a positive length")
     if tolerance is None:
         tolerance = 5e-3 * float(np.ptp(target.points[target.used], axis=0).max())
+    tolerance = positive_length(tolerance, "the tolerance of the mean distance")
     mesh, best, vain, refined = start, None, 0, None
     history: list[tuple[int, float]] = []
     while True:

@@ -92,15 +92,15 @@ def optimise(
     Raises
     ------
     InputError
-        The target is a point cloud, the curvature another mesh's, the metric unknown, rounds below 0, or `fixed` not
-        one flag a control point.
+        The target is a point cloud, the curvature another mesh's, one of mesh and target open and the other closed, the
+        metric unknown, rounds below 0, or `fixed` not one flag a control point.
     """
     if not target.is_mesh:
         raise InputError("samples are projected to a target's faces, and it has none; use another method for points")
-    if len(field.tensors) != len(target.points):
-        raise InputError(
-            f"curvature of {len(field.tensors)} vertices for {len(target.points)} points; give that of the target"
-        )
+    field.require_mesh(target.points, target.triangles)
+    kinds = ["open" if there.any() else "closed" for there in (mesh.topology.boundary_edges, target.boundary_edges)]
+    if kinds[0] != kinds[1]:
+        raise InputError(f"the control mesh is {kinds[0]} and the target {kinds[1]}; give both open or both closed")
     if metric not in ("squared-distance", "point"):
         raise InputError(f"metric is '{metric}'; give squared-distance or point")
     if rounds < 0:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from subdfit.curves.network import bent_nodes, fit_network, sharp_vertices
 from subdfit.errors import InputError
 from subdfit.initial.lavoue_whole import PatchError, join_patches
+from subdfit.mesh.checks import positive_length
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.target.features import automatic_creases, edges_among
 from subdfit.target.network import Cuts, curve_network
@@ -75,9 +76,12 @@ def whole_start(part: CutPart, tolerance: float) -> ControlMesh:
 
     Raises
     ------
+    InputError
+        The tolerance is not positive.
     PatchError
         A patch has no control mesh, though it was cut in two many times.
     """
+    tolerance = positive_length(tolerance, "the tolerance of the curves")
     points, triangles, cuts = part.target.points, part.target.triangles, part.cuts
     for tried in range(_MOST_CUTS + 1):
         turns = sharp_vertices(points, cuts.edges[cuts.exact])

@@ -5,7 +5,6 @@ Lavoué, Dupont and Baskurt 2007, section 4.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +12,8 @@ from numpy.typing import NDArray
 from subdfit.errors import InputError
 from subdfit.initial.lavoue_contour import topologic_contour
 from subdfit.initial.lavoue_cutting import Cutting
-from subdfit.initial.lavoue_scores import Paths, ScoredSurface
+from subdfit.initial.lavoue_scores import Paths, ScoredSurface, require_paths
+from subdfit.mesh.checks import finite_points, triangle_rows
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.mesh.topology import Topology
 from subdfit.target.curvature import curvature_field
@@ -31,11 +31,31 @@ class BoundaryPolygon:
     points : (k, 3) float64, k >= 3.
     corners : (k,) bool, which of them stay in place.
     limits : (k, 3) float64, their limits on the boundary curve.
+
+    Raises
+    ------
+    InputError
+        Fewer than three points, one that is not finite, or not one flag and one limit for each.
     """
 
     points: Floats
     corners: NDArray[np.bool_]
     limits: Floats
+
+    def __post_init__(self) -> None:
+        points, corners = finite_points(self.points, "polygon"), np.asarray(self.corners)
+        limits = finite_points(self.limits, "polygon's limits")
+        if len(points) < 3:
+            raise InputError(f"a polygon of {len(points)} control points; give 3 or more")
+        if len(limits) != len(points):
+            raise InputError(f"{len(limits)} limits for the {len(points)} control points of a polygon; give one each")
+        if corners.shape != (len(points),) or corners.dtype != np.bool_:
+            raise InputError(
+                f"corners are {corners.dtype} of the shape {corners.shape} for the {len(points)} control points of a "
+                "polygon; give one bool each"
+            )
+        for name, value in (("points", points), ("corners", corners), ("limits", limits)):
+            object.__setattr__(self, name, value)
 
 
 def boundary_start(
@@ -61,13 +81,14 @@ def boundary_start(
     Raises
     ------
     InputError
-        The surface is closed or has handles, there are too few control points for its holes, or an option cannot be.
+        A row that is no point, a point that is not finite, the surface is closed or has handles, there are too few
+        control points for its holes, or an option cannot be.
     """
-    if paths not in get_args(Paths):
-        raise InputError(f"paths is '{paths}'; choose {' or '.join(get_args(Paths))}")
+    require_paths(paths)
     if most_corners < 3:
         raise InputError(f"most_corners is {most_corners}; give 3 or more")
-    used, rows = np.unique(triangles, return_inverse=True)
+    points = finite_points(points, "mesh")
+    used, rows = np.unique(triangle_rows(triangles, len(points)), return_inverse=True)
     points, triangles = points[used], rows.reshape(-1, 3)
     loops = boundary_loops(triangles)
     if len(loops) != len(polygons):

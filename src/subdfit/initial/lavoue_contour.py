@@ -16,6 +16,7 @@ from subdfit.errors import InputError
 from subdfit.initial.lavoue_crossing import Edges
 from subdfit.initial.lavoue_scores import ScoredSurface
 from subdfit.limit.curvature import unit
+from subdfit.mesh.checks import row_numbers
 from subdfit.target.curvature import CurvatureField
 from subdfit.target.curves import boundary_loops
 from subdfit.target.features import mesh_edges
@@ -68,12 +69,14 @@ def topologic_contour(
     Raises
     ------
     InputError
-        The surface is closed, not connected or has handles, or a boundary cannot be reached.
+        The surface is closed, not connected or has handles, anchors are no vertices of its boundary, or a boundary
+        cannot be reached.
     """
     loops = boundary_loops(surface.triangles)
     if not loops:
         raise InputError("the surface is closed; segment it into open patches first")
     _require_disk_with_holes(surface, len(loops))
+    anchors, loop_of = _checked(surface, anchors, loop_of, len(loops))
     names = np.arange(len(anchors)) if names is None else names
     points = surface.points[anchors] if points is None else points
     surface = passable(surface)
@@ -84,6 +87,20 @@ def topologic_contour(
         for a, b in pairs:
             opening.link(a, b, crossing)
     return opening.contour()
+
+
+def _checked(surface: ScoredSurface, anchors: Indices, loop_of: Indices, loops: int) -> tuple[Indices, Indices]:
+    """Anchors and the boundaries to which they belong; raises InputError where they cannot be."""
+    anchors = row_numbers(anchors, len(surface.points), "anchors")
+    loop_of = row_numbers(loop_of, loops, "boundaries of anchors")
+    if len(loop_of) != len(anchors) or len(anchors) == 0:
+        raise InputError(f"{len(loop_of)} boundaries for {len(anchors)} anchors; give one for each of one or more")
+    inside = anchors[~surface.boundary[anchors]]
+    if len(inside):
+        raise InputError(f"anchor {inside[0]} lies inside the surface; give vertices of its boundary")
+    if len(np.unique(anchors)) < len(anchors):
+        raise InputError("two anchors are the same vertex; give each control point its own")
+    return anchors, loop_of
 
 
 class _Opening:

@@ -3,7 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from subdfit.errors import InputError
 from subdfit.initial.lavoue_fan import ring_sides
+from subdfit.mesh.checks import finite_points, row_numbers
 
 Floats = NDArray[np.float64]
 Ring = list[int]
@@ -53,8 +55,19 @@ def convex_parts(rings: list[Ring], points: Floats, names: NDArray[np.int64], mo
     -------
     The rings that are left. Convex parts of a triangulated plane outline number at most four times the fewest possible
     (with as many corners as they like).
+
+    Raises
+    ------
+    InputError
+        A ring names no place, or has fewer than three, or not every place has a name.
     """
-    rings = [list(ring) for ring in rings]
+    points, names = finite_points(points, "outline"), np.asarray(names)
+    rings = [row_numbers(ring, len(points), f"places of ring {k}").tolist() for k, ring in enumerate(rings)]
+    for k, ring in enumerate(rings):
+        if len(set(ring)) < max(len(ring), 3):
+            raise InputError(f"ring {k} is {ring}; give three places or more, all different")
+    if names.shape != (len(points),):
+        raise InputError(f"names of the shape {names.shape} for {len(points)} places; give one each")
     while True:
         side_of = {(a, b): k for k, ring in enumerate(rings) for a, b in ring_sides(ring)}
         shared = sorted((a, b) for a, b in side_of if a < b and (b, a) in side_of)

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 import potpourri3d
@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
+from subdfit.errors import InputError
 from subdfit.limit.curvature import unit
+from subdfit.mesh.checks import finite_points, row_pairs, triangle_rows
 from subdfit.target.bvh import SegmentTree, TriangleTree
 from subdfit.target.curvature import CurvatureField
 from subdfit.target.curves import boundary_edges
@@ -42,12 +44,25 @@ class ScoredSurface:
     paths : ``geodesic`` straightens paths across faces (Sharp and Crane, You can find geodesic paths in triangle meshes
         by just flipping edges, 2020), which does not depend on the tessellation; ``dijkstra`` keeps them on edges, as
         printed in the paper.
+
+    Raises
+    ------
+    InputError
+        A row that is no point, a point that is not finite, the curvature another mesh's, or no such paths.
     """
 
     points: Floats
     triangles: NDArray[np.integer]
     field: CurvatureField
     paths: Paths = "geodesic"
+
+    def __post_init__(self) -> None:
+        require_paths(self.paths)
+        points = finite_points(self.points, "mesh")
+        triangles = triangle_rows(self.triangles, len(points))
+        self.field.require_mesh(points, triangles)
+        object.__setattr__(self, "points", points)
+        object.__setattr__(self, "triangles", triangles)
 
     @cached_property
     def diagonal(self) -> float:
@@ -110,20 +125,35 @@ class ScoredSurface:
         return _trace(before, target) if np.isfinite(total[target]) else np.empty(0, np.int64)
 
     def find(self, pairs: Sequence[tuple[int, int]], paths: Paths | None = None) -> list[Floats]:
-        """Shortest paths between pairs of vertices, as points (k, 3)."""
+        """Shortest paths between pairs of vertices, as points (k, 3).
+
+        Raises
+        ------
+        InputError
+            A pair names no vertex, or no path joins its two.
+        """
+        pairs = row_pairs(pairs, len(self.points), "pairs").tolist()
+        require_paths(paths or self.paths)
         if (paths or self.paths) == "geodesic":
             return [self._geodesic(a, b) for a, b in pairs]
         sources = sorted({a for a, _ in pairs})
         place = {a: row for row, a in enumerate(sources)}
         _, before = dijkstra(self.graph, indices=sources, return_predecessors=True)
-        return [self.points[_trace(before[place[a]], b)] for a, b in pairs]
+        found = [_trace(before[place[a]], b) for a, b in pairs]
+        for (a, b), path in zip(pairs, found, strict=True):
+            if len(path) < 2:
+                raise _unjoined(a, b)
+        return [self.points[path] for path in found]
 
     @cached_property
     def _flipper(self) -> "potpourri3d.EdgeFlipGeodesicSolver":
         return potpourri3d.EdgeFlipGeodesicSolver(self.points, np.asarray(self.triangles, np.int64))
 
     def _geodesic(self, a: int, b: int) -> Floats:
-        return np.asarray(self._flipper.find_geodesic_path(a, b), np.float64)
+        try:
+            return np.asarray(self._flipper.find_geodesic_path(a, b), np.float64)
+        except RuntimeError:
+            raise _unjoined(a, b) from None
 
     def scores(self, paths: Sequence[Floats], *, sampled: bool = True) -> tuple[Floats, Floats]:
         """Coherency scores (equation 4) of paths, in degrees from 0 (best) to 90, and the paths' lengths.
@@ -137,7 +167,17 @@ class ScoredSurface:
         paths : points (k, 3) each, k >= 2.
         sampled
             Compare at even distances along the path, so that the tessellation does not matter; else at its points.
+
+        Raises
+        ------
+        InputError
+            A path of fewer than two points, or of one that has not three finite coordinates.
         """
+        paths = [finite_points(path, "path") for path in paths]
+        if not paths:
+            return np.empty(0), np.empty(0)
+        if min(map(len, paths)) < 2:
+            raise InputError("a path of 1 point has no direction; give 2 or more")
         places = [_between(path) if sampled else path for path in paths]
         count = np.array([len(place) for place in places])
         owner = np.repeat(np.arange(len(paths)), count)
@@ -166,6 +206,16 @@ class ScoredSurface:
         nearest = self._tree.closest(np.concatenate([_between(path) for path in paths]))
         found = self.field.at(nearest.triangle, nearest.uv).normal
         return unit(found.reshape(len(paths), _SAMPLES, 3).sum(axis=1))
+
+
+def require_paths(paths: str) -> None:
+    """Raise InputError unless there are such paths."""
+    if paths not in get_args(Paths):
+        raise InputError(f"paths is '{paths}'; choose {' or '.join(get_args(Paths))}")
+
+
+def _unjoined(a: int, b: int) -> InputError:
+    return InputError(f"no path joins vertices {a} and {b}; give two different ones of one piece of a manifold mesh")
 
 
 def _trace(before: NDArray[np.int32], target: int) -> NDArray[np.int64]:

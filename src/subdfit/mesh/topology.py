@@ -16,6 +16,7 @@ from subdfit.mesh._topology_kernels import (
     repeated_vertex,
     separate_fans,
 )
+from subdfit.mesh.checks import whole_numbers, whole_rows
 from subdfit.mesh.data import SHARP_FOR_EVER
 
 Indices = NDArray[np.int32]
@@ -118,7 +119,7 @@ class Topology:
         if vertex_count and topology.valence.min() == 0:
             vertex = int(np.argmin(topology.valence))
             raise InputError(f"vertex {vertex} belongs to no face; remove isolated vertices")
-        edges = topology._edges_between(_rows([] if crease_edges is None else crease_edges, 2, "crease edges"))
+        edges = topology._edges_between(whole_rows([] if crease_edges is None else crease_edges, 2, "crease edges"))
         sharpness = topology.sharpness.copy()
         sharpness[edges] = _tags(crease_sharpness, len(edges), "crease")
         tagged = _corner_vertices([] if corner_vertices is None else corner_vertices, vertex_count)
@@ -145,7 +146,7 @@ class Topology:
     @classmethod
     def from_triangles(cls, triangles: ArrayLike, vertex_count: int, **tags: ArrayLike | None) -> "Topology":
         """Build from a (m, 3) array of triangles; `tags` as in `from_faces`."""
-        rows = _rows(triangles, 3, "faces")
+        rows = whole_rows(triangles, 3, "faces")
         return cls.from_faces(np.arange(0, 3 * len(rows) + 1, 3), rows.ravel(), vertex_count, **tags)
 
     @property
@@ -268,7 +269,7 @@ class Topology:
 
 def _faces(face_offsets: ArrayLike, face_vertices: ArrayLike, vertex_count: int) -> tuple[Indices, Indices]:
     """Ragged faces that kernels may walk: every index in range, three corners or more a face and no vertex twice."""
-    corners = _whole(face_vertices, "face vertices").ravel()
+    corners = whole_numbers(face_vertices, "face vertices").ravel()
     offsets = _offsets(face_offsets, len(corners))
     if len(corners) and (corners.min() < 0 or corners.max() >= vertex_count):
         first = int(np.argmax((corners < 0) | (corners >= vertex_count)))
@@ -284,7 +285,7 @@ def _faces(face_offsets: ArrayLike, face_vertices: ArrayLike, vertex_count: int)
 
 
 def _offsets(face_offsets: ArrayLike, corner_count: int) -> Indices:
-    offsets = _whole(face_offsets, "face offsets").ravel()
+    offsets = whole_numbers(face_offsets, "face offsets").ravel()
     if not len(offsets) or offsets[0] != 0:
         raise InputError("the offset of face 0 is not 0; give one offset a face, from 0 on, and the number of corners")
     # In floating point no difference wraps round.
@@ -299,26 +300,8 @@ def _offsets(face_offsets: ArrayLike, corner_count: int) -> Indices:
     return np.ascontiguousarray(offsets, np.int32)
 
 
-def _whole(values: ArrayLike, what: str) -> Whole:
-    """An array of whole numbers, of whatever type it has."""
-    try:
-        array = np.asarray(values)
-    except ValueError as error:
-        raise InputError(f"{what} come in rows of unlike length; give an array") from error
-    if array.dtype.kind not in "iuf" or (array.dtype.kind == "f" and not np.array_equal(array, np.floor(array))):
-        raise InputError(f"{what} are not whole numbers; give integers")
-    return array
-
-
-def _rows(values: ArrayLike, columns: int, what: str) -> Whole:
-    rows = _whole(values, what)
-    if rows.size and (rows.ndim != 2 or rows.shape[1] != columns):
-        raise InputError(f"{what} come in shape {rows.shape}; give {columns} vertices a row")
-    return rows.reshape(-1, columns)
-
-
 def _corner_vertices(values: ArrayLike, vertex_count: int) -> NDArray[np.intp]:
-    vertices = _whole(values, "corner vertices").ravel()
+    vertices = whole_numbers(values, "corner vertices").ravel()
     bad = np.flatnonzero((vertices < 0) | (vertices >= vertex_count))
     if len(bad):
         raise InputError(f"corner vertex {vertices[bad[0]]} is outside 0..{vertex_count - 1}; remove the tag")

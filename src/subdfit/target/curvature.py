@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from subdfit.errors import InputError
 from subdfit.limit.curvature import PrincipalCurvature, principal_curvature, unit
+from subdfit.mesh.checks import finite_points, numbers, row_numbers, triangle_rows
 from subdfit.parallel import map_chunks
 from subdfit.target._curvature_kernels import ball_measures
 from subdfit.target.features import Edges, mesh_edges
@@ -23,6 +24,8 @@ Integers = NDArray[np.integer]
 
 _CHUNK = 1024
 _SPACING = 4.0
+_ROUNDING = 1e-9
+"""How far outside a triangle parameters may lie."""
 _LEAST, _MOST = 0.015, 0.08
 """The default radius: four times the median edge, but within these shares of the diagonal."""
 
@@ -42,12 +45,33 @@ class CurvatureField:
     tensors: Floats
     normals: Floats
 
+    def require_mesh(self, points: Floats, triangles: Integers) -> None:
+        """Raise InputError unless this is the curvature of these points and triangles."""
+        own, count = len(self.tensors), len(points)
+        if own != count:
+            raise InputError(f"curvature of {own} vertices for {count} points; give that of the mesh")
+        if not np.array_equal(self.triangles, triangles):
+            raise InputError("the curvature is that of other triangles; give that of the mesh")
+
     def at_vertices(self) -> PrincipalCurvature:
         """Principal curvatures at all vertices."""
         return principal_curvature(self.tensors, self.normals)
 
     def at(self, triangle: Integers, uv: Floats) -> PrincipalCurvature:
-        """Principal curvatures at barycentric (1 - u - v, u, v) of triangles (k,), from interpolated tensors."""
+        """Principal curvatures at barycentric (1 - u - v, u, v) of triangles (k,), from interpolated tensors.
+
+        Raises
+        ------
+        InputError
+            No such triangle, or parameters that lie outside it.
+        """
+        triangle, uv = row_numbers(triangle, len(self.triangles), "triangle numbers"), numbers(uv, "parameters")
+        if uv.shape != (len(triangle), 2):
+            raise InputError(f"parameters of the shape {uv.shape} for {len(triangle)} triangles; give one pair each")
+        inside = (uv >= -_ROUNDING).all(axis=1) & (uv.sum(axis=1) <= 1 + _ROUNDING)
+        if not inside.all():
+            row = int(np.argmin(inside))
+            raise InputError(f"row {row}: parameters {uv[row]} lie outside the triangle; give u, v >= 0, u + v <= 1")
         weights = np.column_stack([1 - uv.sum(axis=1), uv])
         corners = self.triangles[triangle]
         tensors = np.einsum("kc,kcij->kij", weights, self.tensors[corners])
@@ -73,16 +97,20 @@ def curvature_field(points: Floats, triangles: Integers, radius: float | Floats 
     Raises
     ------
     InputError
-        A radius that is not positive.
+        Points that are not finite, a row that is no point, or a radius that is not positive.
     """
-    faces = np.ascontiguousarray(triangles, np.int32)
+    points = finite_points(points, "mesh")
+    faces = np.ascontiguousarray(triangle_rows(triangles, len(points)), np.int32)
     edges = mesh_edges(points, faces)
     if radius is None:
         radius = default_radius(points, edges)
     seeds = np.full(len(points), -1, np.int32)
     seeds[faces[::-1]] = np.arange(len(faces), dtype=np.int32)[::-1, None]
     used = np.flatnonzero(seeds >= 0)
-    radii = np.broadcast_to(np.asarray(radius, np.float64), len(points))[used]
+    radii = numbers(radius, "radii")
+    if radii.shape not in ((), (len(points),)):
+        raise InputError(f"radii of the shape {radii.shape} for {len(points)} points; give one number, or one a point")
+    radii = np.broadcast_to(radii, len(points))[used]
     tensors, normals = ball_curvature(points, faces, edges, points[used], seeds[used], radii)
     field = CurvatureField(faces, np.zeros((len(points), 3, 3)), np.zeros((len(points), 3)))
     field.tensors[used], field.normals[used] = tensors, normals

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from subdfit.errors import InputError
+from subdfit.mesh.checks import finite_points, triangle_rows
 from subdfit.target.bvh import Closest, SegmentTree, TriangleTree
 from subdfit.target.curves import boundary_corners, boundary_edges
 from subdfit.target.faceting import height, rises, sagitta
@@ -156,12 +157,8 @@ def mesh_target(points: NDArray[np.float64], triangles: NDArray[np.integer], *, 
     InputError
         No triangles, a row that is no point, a coordinate that is not finite, or no extent.
     """
-    points = _points(points)
-    faces = np.ascontiguousarray(triangles, np.int32)
-    if len(faces) == 0:
-        raise InputError("the mesh has no triangles; pass it as a point cloud instead")
-    if faces.min() < 0 or faces.max() >= len(points):
-        raise InputError(f"a triangle refers to a point outside 0..{len(points) - 1}; check the faces")
+    points = finite_points(points, "target")
+    faces = np.ascontiguousarray(triangle_rows(triangles, len(points)), np.int32)
     used = np.unique(faces).astype(np.int64)
     boundary = boundary_edges(faces)
     return Target(
@@ -189,7 +186,7 @@ def point_target(points: NDArray[np.float64], normals: NDArray[np.float64] | Non
     InputError
         No points, a coordinate that is not finite, no extent, or not one normal a point.
     """
-    points = _points(points)
+    points = finite_points(points, "target")
     if normals is not None and np.shape(normals) != points.shape:
         raise InputError(f"{len(normals)} normals for {len(points)} points; give one a point, or none")
     return Target(
@@ -219,16 +216,6 @@ def cloud_target(
     used = np.arange(len(guide.points)) if used is None else used
     diagonal, none = _diagonal(guide.points[used]), np.empty(0, np.int64)
     return replace(guide, corners=none, used=used, diagonal=diagonal, cloud=True)
-
-
-def _points(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    points = np.ascontiguousarray(points, np.float64)
-    if points.ndim != 2 or points.shape[1] != 3 or len(points) == 0:
-        raise InputError(f"the target needs points with three coordinates; got an array of shape {points.shape}")
-    if not np.all(np.isfinite(points)):
-        row = int(np.argmin(np.isfinite(points).all(axis=1)))
-        raise InputError(f"point {row} has a coordinate that is not finite; remove it from the file")
-    return points
 
 
 def _diagonal(points: NDArray[np.float64]) -> float:
