@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from subdfit.parallel import map_chunks
 from subdfit.target import _faceting_kernels as kernels
-from subdfit.target.features import mesh_edges
+from subdfit.target.features import edges_among, mesh_edges
 from subdfit.target.normals import sector_normals, vertex_normals
 
 Floats = NDArray[np.float64]
@@ -110,8 +110,7 @@ def _corner_normals(points: Floats, triangles: NDArray[np.integer], creases: NDA
     touched = at_crease[triangles]
     rows = np.flatnonzero(touched.any(axis=1))
     edges = mesh_edges(points, triangles[rows])
-    keys = np.sort(creases, axis=1) @ [len(points), 1]
-    smooth = (edges.valence == 2) & ~np.isin(edges.vertices @ [len(points), 1], keys)
+    smooth = (edges.valence == 2) & ~edges_among(edges.vertices, creases)
     sectors = sector_normals(points, triangles[rows], edges.vertices[smooth], edges.faces[smooth])
     normals[rows] = np.where(touched[rows][:, :, None], sectors, normals[rows])
     return np.asarray(normals)

@@ -9,7 +9,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from subdfit.target.curves import Curve, boundary_loops, curves
-from subdfit.target.features import mesh_edges
+from subdfit.target.features import edges_among, mesh_edges
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -175,8 +175,7 @@ def cut_open(triangles: NDArray[np.integer], edges: Indices) -> tuple[Indices, I
     triangles = np.asarray(triangles, np.int64)
     size = int(triangles.max()) + 1
     found = mesh_edges(np.zeros((size, 3)), triangles)
-    key = np.array([size, 1])
-    whole = (found.valence == 2) & ~np.isin(found.vertices @ key, np.sort(edges, axis=1) @ key)
+    whole = (found.valence == 2) & ~edges_among(found.vertices, edges)
     faces, ends = found.faces[whole], found.vertices[whole]
     corner = [
         [3 * faces[:, side] + np.argmax(triangles[faces[:, side]] == ends[:, k, None], axis=1) for k in range(2)]

@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import connected_components
 
 from subdfit.errors import InputError
 from subdfit.target.bvh import TriangleTree
-from subdfit.target.features import automatic_creases, mesh_edges
+from subdfit.target.features import automatic_creases, edges_among, mesh_edges
 from subdfit.target.segmentation_carrying import on_all_triangles
 from subdfit.target.segmentation_clusters import cluster, grow
 from subdfit.target.segmentation_facets import Facets, Flags, Labels
@@ -178,10 +178,9 @@ def _without_hairs(facets: Facets, labels: Labels) -> Labels:
 
 def _facets(points: Floats, triangles: Triangles, creases: Creases, radius: float | None) -> Facets:
     edges = mesh_edges(points, triangles)
-    key = np.array([len(points), 1])
-    sharp = np.isin(edges.vertices @ key, np.sort(creases, axis=1) @ key) & (edges.valence == 2)
-    facets = Facets(points, triangles, edges, sharp, radius or 1.0)
-    return facets if radius else replace(facets, radius=_SPACING * float(np.median(facets.lengths)))
+    sharp = edges_among(edges.vertices, creases) & (edges.valence == 2)
+    lengths = np.linalg.norm(np.diff(points[edges.vertices], axis=1)[:, 0], axis=1)
+    return Facets(points, triangles, edges, sharp, radius or _SPACING * float(np.median(lengths)))
 
 
 def _features(facets: Facets, labels: Labels) -> Flags:
@@ -201,14 +200,13 @@ def _on_target(triangles: Triangles, facets: Facets, changed: Flags, labels: Lab
     if not changed.any():
         return Regions(labels, features)
     edges = mesh_edges(facets.points, triangles)
-    key = np.array([len(facets.points), 1])
-    ours, theirs, sharp = (ends @ key for ends in (edges.vertices, facets.edges.vertices, features))
-    own = replace(facets, triangles=triangles, edges=edges, sharp=np.isin(ours, sharp))
+    own = replace(facets, triangles=triangles, edges=edges, sharp=edges_among(edges.vertices, features))
     carried = labels.copy()
     nearest = TriangleTree(facets.points, facets.triangles).closest(own.centres[changed])
     carried[changed] = labels[nearest.triangle]
     parts = own.connected(~own.borders(carried))
     carried = _without_hairs(own, _without_folds(own, parts))
     # A side of a needle that was flipped away lies along what it hid.
-    along = ~np.isin(ours, theirs) & np.isin(edges.vertices, features).all(axis=1)
+    flipped = ~edges_among(edges.vertices, facets.edges.vertices)
+    along = flipped & np.isin(edges.vertices, features).all(axis=1)
     return Regions(carried, edges.vertices[own.sharp | (along & own.borders(carried))])

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from subdfit.target.features import mesh_edges
+from subdfit.target.features import edges_among, mesh_edges
 from subdfit.target.network import Cuts, Patch, curve_network, cut_open, pieces
 from subdfit.target.segmentation_tips import continued, led_along_borders
 
@@ -30,8 +30,7 @@ def part_cuts(points: Floats, triangles: NDArray[np.integer], labels: Labels, cr
     creases : (c, 2) int64.
     """
     edges = mesh_edges(points, triangles)
-    key = np.array([len(points), 1])
-    crease = np.isin(edges.vertices @ key, np.sort(creases, axis=1) @ key)
+    crease = edges_among(edges.vertices, creases)
     inner = edges.valence == 2
     border = inner & (labels[edges.faces[:, 0]] != labels[edges.faces[:, 1]])
     _, piece = pieces(cut_open(triangles, edges.vertices[crease | border])[0])

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from subdfit.target.features import Edges
+from subdfit.target.features import Edges, edges_among
 from subdfit.target.network import Cuts, network_arcs
 from subdfit.target.segmentation_facets import Facets
 
@@ -117,10 +117,9 @@ def _shortest(points: Floats, edges: Edges, cost: Floats, cuts: Flags, fading: F
         return np.empty(0, np.int64)
     at, path = int(np.argmin(length)), []
     while at != tip:
-        path.append(sorted((int(before[at]), at)))
+        path.append((int(before[at]), at))
         at = int(before[at])
-    key = np.array([len(points), 1])
-    return np.flatnonzero(np.isin(edges.vertices @ key, np.array(path) @ key))
+    return np.flatnonzero(edges_among(edges.vertices, np.array(path)))
 
 
 def _chain_from(cuts: Indices, tip: int) -> Indices:
