@@ -144,8 +144,7 @@ def optimisation() -> str:
         fine = subdfit.LimitSurface(mesh).tessellate(4)
         target = mesh_target(fine.points, fine.triangles, creases="none")
         field = curvature_field(target.points, target.triangles, 0.1)
-        rim = np.zeros(36, np.bool_)
-        rim[mesh.topology.edge_vertices[mesh.topology.boundary_edges]] = True
+        rim = mesh.topology.boundary_vertices
         for size in (0.15, 0.47, 0.98):
             bad = mesh.points.copy()
             bad[~rim] += size * np.random.default_rng(3).uniform(-1, 1, (16, 3)) * [1, 1, 0.6]

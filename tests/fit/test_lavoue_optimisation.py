@@ -37,9 +37,7 @@ def dense(mesh):
 
 
 def inner(mesh):
-    flags = np.ones(len(mesh.points), np.bool_)
-    flags[mesh.topology.edge_vertices[mesh.topology.boundary_edges]] = False
-    return flags
+    return ~mesh.topology.boundary_vertices
 
 
 def spoiled(mesh, size=0.12):

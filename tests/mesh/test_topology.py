@@ -83,6 +83,7 @@ def test_outgoing_leaves_its_vertex_and_begins_the_fan_on_a_boundary(topology):
     np.testing.assert_array_equal(t.valence, np.bincount(t.face_vertices, minlength=t.vertex_count))
     boundary = np.zeros(t.vertex_count, bool)
     boundary[t.edge_vertices[t.boundary_edges]] = True
+    np.testing.assert_array_equal(t.boundary_vertices, boundary)
     np.testing.assert_array_equal(t.twin[t.outgoing] < 0, boundary)
     before = np.empty_like(t.following)
     before[t.following] = np.arange(len(before))

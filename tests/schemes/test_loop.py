@@ -175,7 +175,7 @@ def test_quadratics_are_reproduced_up_to_a_constant():
     """
     surface = grid_surface(lambda x, y: 0.3 * x * x - 0.7 * x * y + 0.2 * y * y + 2 * x - y)
     t = surface.topology
-    faces = clear_of(surface, np.unique(t.edge_vertices[t.boundary_edges]), 1)
+    faces = clear_of(surface, np.flatnonzero(t.boundary_vertices), 1)
     uv = np.random.default_rng(1).dirichlet([1, 1, 1], len(faces))[:, 1:]
     x, y, z = surface.evaluate(faces, uv).position.T
     ring = np.array([(1, 0), (0, 1), (1, 1)])
@@ -252,10 +252,8 @@ def test_refinement_equals_trimesh(meshes, name, wrong):
     t = Topology.from_triangles(faces, len(points))
     ours = LOOP.refine(t).matrix @ points
     tolerance = 1e-12 * np.linalg.norm(np.ptp(points, axis=0))
-    boundary = np.zeros(len(points), bool)
-    boundary[t.edge_vertices[t.boundary_edges]] = True
     inner = t.edge_vertices[~t.boundary_edges]
-    joined = np.unique(inner[boundary[inner].all(axis=1)])
+    joined = np.unique(inner[t.boundary_vertices[inner].all(axis=1)])
     differ = np.flatnonzero(np.linalg.norm(ours - theirs, axis=1)[: len(points)] > tolerance)
     np.testing.assert_array_equal(differ, joined)
     assert len(joined) == wrong

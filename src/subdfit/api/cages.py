@@ -63,9 +63,7 @@ def _built(data: MeshData, name: str) -> ControlMesh:
 def _boundary_corners(mesh: ControlMesh, data: MeshData) -> ControlMesh:
     """Tag boundary vertices with a single face as corners."""
     topology = mesh.topology
-    boundary = np.zeros(topology.vertex_count, np.bool_)
-    boundary[topology.edge_vertices[topology.boundary_edges]] = True
-    single = np.flatnonzero(boundary & (topology.valence == 1))
+    single = np.flatnonzero(topology.boundary_vertices & (topology.valence == 1))
     sharpness = topology.corner_sharpness.copy()
     sharpness[single] = np.inf
     tagged = np.flatnonzero(sharpness)

@@ -19,7 +19,6 @@ from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
 from subdfit.fit.stop import CURVE_FACTOR, error_that_matters
 from subdfit.fit.tangent import TangentSettings
-from subdfit.mesh.topology import Topology
 
 Flags = NDArray[np.bool_]
 
@@ -29,13 +28,6 @@ SEGMENTS = 4
 """Segments of a side between whose ends its curve is compared with the target."""
 ROUNDS = 12
 """Most rounds of steps: halved so many times, a side has no data left."""
-
-
-def boundary_vertices(topology: Topology) -> Flags:
-    """Control vertices of the boundary, (n,)."""
-    found = np.zeros(topology.vertex_count, np.bool_)
-    found[topology.edge_vertices[topology.boundary_edges].ravel()] = True
-    return found
 
 
 def boundary_held(state: FitState, settings: FitSettings) -> FitState:

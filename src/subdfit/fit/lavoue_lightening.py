@@ -4,8 +4,6 @@ Enrichment refines whole faces of an error field (Lavoué, Dupont and Baskurt 20
 needs.
 """
 
-import numpy as np
-
 from subdfit.fit.lavoue_enrichment import Faces
 from subdfit.fit.lavoue_open import OpenFit, optimised
 from subdfit.mesh.checks import positive_length
@@ -52,7 +50,7 @@ def lightened(found: OpenFit, target: Target, field: CurvatureField, tolerance: 
 
 def _without(mesh: ControlMesh, vertex: int) -> ControlMesh | None:
     """The control mesh with the faces round an inner vertex as one; None where they are not to be merged."""
-    inner = np.ones(len(mesh.points), np.bool_)
-    inner[mesh.topology.edge_vertices[mesh.topology.boundary_edges]] = False
+    if mesh.topology.boundary_vertices[vertex]:
+        return None
     faces = Faces.of(mesh)
-    return faces.frozen(mesh) if inner[vertex] and faces.take_out(vertex) else None
+    return faces.frozen(mesh) if faces.take_out(vertex) else None

@@ -114,11 +114,9 @@ def optimised(
     mesh, target, field, tolerance, rounds : as in `fit_open`.
     history : what the result is to carry of the optimisations before.
     """
-    held = np.zeros(len(mesh.points), np.bool_)
-    held[mesh.topology.edge_vertices[mesh.topology.boundary_edges]] = True
     # Near enough by few samples is not enough, nor where sheets have fallen together: then all rounds are run.
     for enough in (tolerance, 0.0):
-        step = optimise(mesh, target, field, rounds=rounds, fixed=held, enough=enough, data=True)
+        step = optimise(mesh, target, field, rounds=rounds, fixed=mesh.topology.boundary_vertices, enough=enough, data=True)
         mesh, (mean, away) = step.mesh, _errors(step.mesh, target)
         found = OpenFit(mesh, mean, away, mean <= tolerance and away <= MOST_AWAY, history)
         if step.mean.min() > tolerance or found.within:
@@ -156,9 +154,8 @@ def enriched(mesh: ControlMesh, target: Target, *, diffuse: bool = False) -> Con
     face = np.repeat(mesh.topology.face[surface.domain.half_edge], np.diff(grid.begin))
     chosen = concerned(field, grid.triangles, face)
     faces = Faces.of(mesh)
-    inner = np.ones(len(mesh.points), np.bool_)
-    inner[mesh.topology.edge_vertices[mesh.topology.boundary_edges]] = False
-    around = [set(np.flatnonzero(mesh.topology.face_vertices == v)) for v in np.flatnonzero(inner)]
+    inner = np.flatnonzero(~mesh.topology.boundary_vertices)
+    around = [set(np.flatnonzero(mesh.topology.face_vertices == v)) for v in inner]
     holds_vertex = any({int(mesh.topology.face[h]) for h in corners} <= set(chosen) for corners in around)
     local = not diffuse and not holds_vertex and not is_diffuse(distance, field)
     if not (local and faces.merge_and_insert(chosen, place)):

@@ -9,7 +9,7 @@ from subdfit.fit.adapt import refined
 from subdfit.fit.changes import ring
 from subdfit.fit.descent import Descent, Part
 from subdfit.fit.faults import Faults, all_sides, curve_sides, cutting_sides, within_budget
-from subdfit.fit.held import boundary_held, boundary_vertices
+from subdfit.fit.held import boundary_held
 from subdfit.fit.reverse import Samples, sparse_curve_samples, sparse_samples
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.spots import spots_moved
@@ -126,7 +126,7 @@ class Tangential:
 
     def _free(self, vertices: Flags, state: FitState) -> Flags:
         """Those of the flagged control vertices that may move."""
-        return vertices & ~boundary_vertices(state.surface.topology) if self.settings.fixed_boundary else vertices
+        return vertices & ~state.surface.topology.boundary_vertices if self.settings.fixed_boundary else vertices
 
     def adapt(self, state: FitState) -> tuple[FitState, Flags | None]:
         """Refine where the error asks for it: cut each bad face in two, and halve bad curve sides.

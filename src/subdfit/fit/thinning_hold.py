@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from subdfit.fit.changes import cells_moved_by
 from subdfit.fit.descent import Descent, Part
-from subdfit.fit.held import boundary_vertices
 from subdfit.fit.reverse import (
     DRAWN,
     Samples,
@@ -101,7 +100,7 @@ class Hold:
     def free(self, topology: Topology) -> Flags:
         """Control vertices that may move at all, (n,)."""
         if self._fixed_boundary:
-            return ~boundary_vertices(topology)
+            return ~topology.boundary_vertices
         return np.ones(topology.vertex_count, np.bool_)
 
     def moved(self, state: FitState) -> FitState:

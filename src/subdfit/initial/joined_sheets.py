@@ -72,7 +72,7 @@ def _two_rings(topology: Topology) -> tuple[Rows, Flags]:
         (np.ones(len(ends), np.int32), (ends[:, 0], ends[:, 1])), shape=(count, count)
     ).tocsr()
     rings = joined[:: -(-count // SOME_VERTICES)] @ joined
-    rings = rings[np.flatnonzero(rings @ np.isin(each, topology.ends(np.flatnonzero(topology.boundary_edges))) == 0)]
+    rings = rings[np.flatnonzero(rings @ topology.boundary_vertices == 0)]
     sizes = np.diff(rings.indptr)
     known: Flags = np.arange(sizes.max(initial=0)) < sizes[:, None]
     near = np.zeros(known.shape, np.int64)

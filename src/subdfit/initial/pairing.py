@@ -41,8 +41,7 @@ def pair_triangles(mesh: ControlMesh) -> ControlMesh:
     surplus = (t.valence - REGULAR_TRIANGLES)[t.face_vertices] + (t.valence - REGULAR_TRIANGLES)[_ends(t)]
     order = np.argsort(-(quality + VALENCE_WEIGHT * surplus), kind="stable")
     order = order[allowed[order] & (order < t.twin[order])].astype(np.int32)
-    least = np.full(t.vertex_count, LEAST_FACES, np.int32)
-    least[t.edge_vertices[t.boundary_edges]] = 1
+    least = np.where(t.boundary_vertices, 1, LEAST_FACES).astype(np.int32)
     faces_at, mate = t.valence.copy(), np.full(t.face_count, -1, np.int32)
     kernels.match_greedily(order, t.face_vertices, t.twin, least, faces_at, mate)
     kernels.lengthen_matching(allowed, t.face_vertices, t.twin, least, faces_at, mate)

@@ -72,7 +72,7 @@ def _candidates(topology: Topology) -> list[Rows]:
     """Vertices of each small component that has an inner vertex of two faces."""
     count, ends = topology.vertex_count, topology.edge_vertices
     doubtful = np.bincount(topology.face_vertices, minlength=count) == 2
-    doubtful[ends[topology.boundary_edges].ravel()] = False
+    doubtful[topology.boundary_vertices] = False
     if not doubtful.any():
         return []
     links = sp.coo_array((np.ones(len(ends), np.int8), (ends[:, 0], ends[:, 1])), shape=(count, count))

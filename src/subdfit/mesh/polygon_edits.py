@@ -40,7 +40,7 @@ class PolygonEdits:
         self._mesh = mesh
         self._sharp = {frozenset(ends) for ends in t.edge_vertices[t.sharpness > 0].tolist()}
         self._corners = set(np.flatnonzero(t.corner_sharpness > 0).tolist())
-        self._rim = set(t.edge_vertices[t.boundary_edges].ravel().tolist())
+        self._rim = set(np.flatnonzero(t.boundary_vertices).tolist())
         self._faces: dict[int, set[int]] = {v: set() for v in range(t.vertex_count)}
         for face, ring in self.rings.items():
             for v in ring:

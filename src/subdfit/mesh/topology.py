@@ -239,6 +239,13 @@ class Topology:
         return flags
 
     @cached_property
+    def boundary_vertices(self) -> NDArray[np.bool_]:
+        """Whether each vertex lies on the boundary, (n,)."""
+        flags = np.zeros(self.vertex_count, np.bool_)
+        flags[self.ends(np.flatnonzero(self.boundary_edges))] = True
+        return flags
+
+    @cached_property
     def crease_edges(self) -> NDArray[np.int64]:
         """Edges inside the surface that carry sharpness: row numbers, ascending."""
         sharp = self.creases.half_edges

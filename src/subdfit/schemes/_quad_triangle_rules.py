@@ -23,9 +23,7 @@ def refine(t: Topology) -> Refinement:
 def _vertex_mask(t: Topology) -> VertexMask:
     """The smooth vertex rule, corrected where triangles meet quads."""
     quads = larger_round(t, 3)
-    mixed = (quads > 0) & (quads < t.valence)
-    mixed[t.ends(np.flatnonzero(t.boundary_edges))] = False
-    vertices = np.flatnonzero(mixed)
+    vertices = np.flatnonzero((quads > 0) & (quads < t.valence) & ~t.boundary_vertices)
     correction = np.zeros(t.vertex_count)
     for order, chosen in by_order(t, preceding(t), t.outgoing[vertices]):
         correction[vertices[chosen]] = masks.correction(order)

@@ -37,9 +37,7 @@ class Loop:
         """Raise InputError unless all faces are triangles and all inner valences 3 or more."""
         if not topology.triangles_only:
             raise InputError("Loop subdivision takes triangles only; triangulate the mesh or choose another scheme")
-        inner = np.ones(topology.vertex_count, np.bool_)
-        inner[topology.edge_vertices[topology.boundary_edges]] = False
-        thin = np.flatnonzero(inner & (topology.valence < 3))
+        thin = np.flatnonzero(~topology.boundary_vertices & (topology.valence < 3))
         if len(thin):
             raise InputError(
                 f"inner vertex {thin[0]} has valence 2; collapse one of its edges, or leave its component out"

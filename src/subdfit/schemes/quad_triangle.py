@@ -37,10 +37,7 @@ class QuadTriangle:
 
     def validate(self, topology: Topology) -> None:
         """Raise InputError unless all inner valences are 3 or more."""
-        t = topology
-        inner = np.ones(t.vertex_count, np.bool_)
-        inner[t.ends(np.flatnonzero(t.boundary_edges))] = False
-        thin = np.flatnonzero(inner & (t.valence < 3))
+        thin = np.flatnonzero(~topology.boundary_vertices & (topology.valence < 3))
         if len(thin):
             raise InputError(f"inner vertex {thin[0]} has valence 2; merge its two faces into one")
 
