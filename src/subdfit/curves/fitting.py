@@ -34,7 +34,7 @@ _MANY = 12
 """Control points from which on others are placed where the curve is farthest off, beginning with half as many."""
 _VAIN = 8
 """Control points in a row that bring the curve no nearer, before giving up."""
-_FINE = 16
+FINE = 16
 """Samples of the curve a control segment where its error is measured."""
 _IDLE = 4
 """Control points whose removal is tried at the end, of a curve that will be moved again."""
@@ -146,14 +146,8 @@ def _grown(target: Polyline, most: int, tolerance: float, how: _Effort) -> Curve
 
 def _with_one_more(target: Polyline, curve: SubdivisionCurve) -> SubdivisionCurve:
     """The curve with a control point in the middle of the two between which it is farthest from the target."""
-    fine = curve.polyline(_FINE)
-    drawn = Polyline(fine, curve.closed)
-    arcs, there = drawn.closest(target.points)
-    _, back = target.closest(fine)
-    at = int(np.argmax(back))
-    if there.max() > back.max():
-        at = int(np.searchsorted(np.cumsum(drawn.lengths), arcs[np.argmax(there)]))
-    before = min(at // _FINE, curve.length - 1)
+    _, at = farthest(target, Polyline(curve.polyline(FINE), curve.closed))
+    before = min(at // FINE, curve.length - 1)
     after = (before + 1) % len(curve.points)
     middle = (curve.points[before] + curve.points[after]) / 2
     return SubdivisionCurve(np.insert(curve.points, before + 1, middle, axis=0), curve.closed)
@@ -277,11 +271,16 @@ def _stiffness(count: int, closed: bool, samples: float) -> Floats:
 
 def two_sided_error(target: Polyline, curve: SubdivisionCurve) -> float:
     """Largest distance of the target's points from the curve, and of fine samples of the curve from the target."""
-    fine = curve.polyline(_FINE)
-    drawn = Polyline(fine, curve.closed)
-    _, there = drawn.closest(target.points)
-    _, back = target.closest(fine)
-    return float(max(there.max(), back.max()))
+    return farthest(target, Polyline(curve.polyline(FINE), curve.closed))[0]
+
+
+def farthest(target: Polyline, drawn: Polyline) -> tuple[float, int]:
+    """Largest distance of the points of two chains from the other chain, and the drawn one's segment or point there."""
+    arcs, there = drawn.closest(target.points)
+    _, back = target.closest(drawn.points)
+    if there.max() > back.max():
+        return float(there.max()), int(np.searchsorted(np.cumsum(drawn.lengths), arcs[np.argmax(there)]))
+    return float(back.max()), int(np.argmax(back))
 
 
 def knots_removed(target: Polyline, tolerance: float, *, begin: int) -> CurveFit:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from subdfit.curves.fitting import checked_tolerance, fit_curve, fit_with, two_sided_error
+from subdfit.curves.fitting import FINE, checked_tolerance, farthest, fit_curve, fit_with, two_sided_error
 from subdfit.curves.polyline import Polyline
 from subdfit.curves.subdivision_curve import SubdivisionCurve
 from subdfit.errors import InputError
@@ -88,12 +88,10 @@ def _joined(target: Polyline, curves: list[SubdivisionCurve]) -> FittedLoop:
         corners = np.zeros(len(curves[0].points), np.bool_)
         return FittedLoop(curves[0].points, corners, curves[0].limit_points(), two_sided_error(target, curves[0]))
     corners = np.concatenate([np.arange(curve.length) == 0 for curve in curves])
-    drawn = Polyline(np.concatenate([curve.polyline(16)[:-1] for curve in curves]), closed=True)
-    _, there = drawn.closest(target.points)
-    _, back = target.closest(drawn.points)
+    drawn = Polyline(np.concatenate([curve.polyline(FINE)[:-1] for curve in curves]), closed=True)
     return FittedLoop(
         np.concatenate([curve.points[:-1] for curve in curves]),
         corners,
         np.concatenate([curve.limit_points()[:-1] for curve in curves]),
-        float(max(there.max(), back.max())),
+        farthest(target, drawn)[0],
     )
