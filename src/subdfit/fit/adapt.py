@@ -155,15 +155,12 @@ def _middles(domain: Domain) -> Floats:
     return np.column_stack([middle, middle])
 
 
-def drawn_near(mesh: ControlMesh, scheme: Scheme, limits: Floats, steps: int = 1) -> Floats:
-    """Control points, (n, 3), whose limit points are drawn near `limits`, by progressive interpolation from the mesh's.
+def drawn_near(mesh: ControlMesh, scheme: Scheme, limits: Floats) -> Floats:
+    """Control points, (n, 3), whose limit points are drawn near `limits`, by a step of progressive interpolation.
 
-    After one step a refined surface has barely moved. More meet the limits ever better by dividing by small eigenvalues
-    of the masks: round after round of refining, control points then swing ever farther where coarse meets fine.
+    After it a refined surface has barely moved. More meet the limits ever better by dividing by small eigenvalues of
+    the masks: round after round of refining, control points then swing ever farther where coarse meets fine.
 
     Cheng et al. 2009, section 2.
     """
-    points = mesh.points
-    for _ in range(steps):
-        points = points + limits - scheme.limit_points(mesh.topology, points)
-    return np.asarray(points)
+    return np.asarray(mesh.points + limits - scheme.limit_points(mesh.topology, mesh.points))

@@ -12,7 +12,7 @@ from subdfit.mesh.checks import positive_length
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.target.features import automatic_creases, edges_among
 from subdfit.target.network import Cuts, curve_network
-from subdfit.target.segmentation import SegmentationSettings, segment_mesh
+from subdfit.target.segmentation import segment_mesh
 from subdfit.target.segmentation_cutting import halved, part_cuts, without_handles
 from subdfit.target.segmentation_noise import noise_of
 from subdfit.target.segmentation_slivers import without_slivers
@@ -40,13 +40,12 @@ class CutPart:
     noise: float = 0.0
 
 
-def cut_part(target: Target, settings: SegmentationSettings | None = None) -> CutPart:
+def cut_part(target: Target) -> CutPart:
     """Segment a part and cut it into patches.
 
     Parameters
     ----------
     target : a mesh.
-    settings : of the segmentation.
 
     Raises
     ------
@@ -58,7 +57,7 @@ def cut_part(target: Target, settings: SegmentationSettings | None = None) -> Cu
     found = np.array_equal(target.crease_edges, automatic_creases(target.points, target.triangles))
     triangles, creases = without_slivers(target.points, target.triangles, target.crease_edges, found=found)
     target = replace(target, triangles=triangles, crease_edges=creases)
-    regions = segment_mesh(target, settings, find_creases=found)
+    regions = segment_mesh(target, find_creases=found)
     cuts = part_cuts(target.points, triangles, regions.labels, regions.feature_edges)
     cuts = without_handles(target.points, triangles, cuts)
     inner = cuts.exact & ~edges_among(cuts.edges, target.boundary_edges)

@@ -44,7 +44,6 @@ def patch_faces(
     points: Floats,
     limits: Floats,
     taken: Set[frozenset[int]],
-    most_corners: int = 4,
 ) -> PatchFaces:
     """Join control points on the boundaries of a patch by control edges along its lines of curvature.
 
@@ -55,7 +54,6 @@ def patch_faces(
     chains, places : control points of each arc, and where they lie along it (see `ControlNetwork`).
     points, limits : (n, 3) float64, all control points and their limits.
     taken : pairs of control points that are joined already.
-    most_corners : of a face.
 
     Raises
     ------
@@ -73,7 +71,7 @@ def patch_faces(
             if k == _MOST_REFINEMENTS:
                 raise
             surface, loops = refined(surface, loops)
-    cutting = Cutting(contour, points[contour.controls], limits[contour.controls], most_corners, taken)
+    cutting = Cutting(contour, points[contour.controls], limits[contour.controls], taken=taken)
     rings = cutting.faces()
     named = [[contour.controls[ring].tolist() for ring in group] for group in (rings, cutting.stuck)]
     if any(len(set(ring)) < len(ring) for ring in named[1]):
