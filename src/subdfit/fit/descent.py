@@ -12,6 +12,8 @@ from subdfit.fit.tangent import TangentSettings, curve_reverse_rows, merit, reve
 
 DAMPING_RANGE = (1e-4, 1e3)
 """Levenberg damping falls by 3 after a step that is kept and rises by 10 after one that is not, within this range."""
+FIRM = 1e-2
+"""Damping to begin with where little holds some control vertices: few points, or the faces are large."""
 TRIES = 2
 """Most steps tried for each that may be kept."""
 

@@ -11,7 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.errors import InputError
+from subdfit.fit.descent import FIRM
 from subdfit.fit.faults import Faults
+from subdfit.fit.lavoue_enrichment import SIGNIFICANT
+from subdfit.fit.lavoue_optimisation import ROUNDS
 from subdfit.fit.lavoue_whole import cut_part, whole_start
 from subdfit.fit.places import Places
 from subdfit.fit.reverse import Samples, even_strays, reverse_badness, sparse_samples, strays
@@ -30,18 +33,12 @@ SCHEMES = ("quad-triangle", "catmull-clark")
 """Schemes whose control meshes may have quads and triangles."""
 CURVES = {"max": 0.5, "rms": 4.0, "mean": 7.5}
 """The first curves lie within so many times what is asked of the largest, the rms and the mean error."""
-ROUNDS = 5
-"""Rounds of optimisation, at most, before the control mesh is enriched: m0 in the paper's section 6."""
 GAIN = 0.95
-"""A round that leaves more than this share of the error is the last before that."""
+"""A round that leaves more than this share of the error is the last before the control mesh is enriched."""
 NEAR = 1.5
 """How many times what is asked the error is at most when the control mesh is enriched in every round."""
-SIGNIFICANT = 0.5
-"""Share of the largest error from which a face belongs to an error field (section 5.2)."""
 FOLD = 4.0
 """Samples farther off than so many times the rms error of the data are drawn back: no freedom would mend them."""
-DAMPING = 1e-2
-"""Least damping at the beginning of a round: large faces leave directions in which little holds their vertices."""
 
 
 class Lavoue(Tangential):
@@ -56,7 +53,8 @@ class Lavoue(Tangential):
 
     def advance(self, state: FitState) -> FitState:
         """One round of steps, the control mesh enriched first where that is due."""
-        self._descent.damping = max(self._descent.damping, DAMPING)
+        # Large faces leave directions in which little holds their vertices.
+        self._descent.damping = max(self._descent.damping, FIRM)
         # Large faces turn far in a round: footpoints that follow them get lost, and speak of errors where none are.
         state, tolerance = super().advance(state).refreshed(self._descent.bound), self.settings.tolerance
         # Of a mean on both sides more steps may bring about what costs vertices otherwise.
@@ -85,7 +83,7 @@ class Lavoue(Tangential):
         return super()._moved_everywhere(state, True)
 
     def adapt(self, state: FitState) -> tuple[FitState, NDArray[np.bool_] | None]:
-        """Enrich unless the rounds still gain; then all control vertices move."""
+        """Enrich, after `ROUNDS` at most, unless the rounds still gain; then all control vertices move."""
         error = badness(state, self.settings.tolerance)
         self._rounds += 1
         if self._rounds < ROUNDS and error < GAIN * self._before and error > NEAR:
@@ -95,7 +93,7 @@ class Lavoue(Tangential):
         return super().adapt(state)
 
     def _bad_faces(self, state: FitState) -> Rows:
-        """The faces of error fields only, others may do once these are mended: of the data, then of the samples."""
+        """The faces of error fields only (section 5.2), of the data, then of the samples: others may do after these."""
         worst, faces = Faults.of(state).maximum, super()._bad_faces(state)
         if len(faces) == 0 and self.settings.tolerance.max is None:
             found = self._samples(state)

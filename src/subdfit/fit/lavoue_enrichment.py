@@ -13,8 +13,8 @@ from subdfit.mesh.face_rings import Edge, FaceRings, Ring
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-_SIGNIFICANT = 0.5
-"""Share of the largest error from which a sample belongs to the error field."""
+SIGNIFICANT = 0.5
+"""Share of the largest error from which a sample, or a face, belongs to the error field."""
 _NEAR, _DIFFUSE = 0.8, 0.5
 """A field is diffuse when this share of its samples exceeds so much of the largest error."""
 _MOST_CORNERS = 5
@@ -36,7 +36,7 @@ def principal_error_field(distances: Floats, edges: NDArray[np.integer]) -> Flag
     """
     distances = _checked_distances(distances)
     edges = row_pairs(edges, len(distances), "edges")
-    significant = distances >= _SIGNIFICANT * distances.max()
+    significant = distances >= SIGNIFICANT * distances.max()
     joined = edges[significant[edges].all(axis=1)]
     links = sp.coo_array((np.ones(len(joined), np.int8), joined.T), shape=(len(distances),) * 2)
     group = connected_components(links, directed=False)[1]

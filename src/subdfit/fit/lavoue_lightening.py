@@ -6,13 +6,16 @@ needs.
 
 from subdfit.fit.lavoue_enrichment import Faces
 from subdfit.fit.lavoue_open import OpenFit, optimised
+from subdfit.fit.lavoue_optimisation import ROUNDS
 from subdfit.mesh.checks import positive_length
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.target.curvature import CurvatureField
 from subdfit.target.target import Target
 
 
-def lightened(found: OpenFit, target: Target, field: CurvatureField, tolerance: float, *, rounds: int = 5) -> OpenFit:
+def lightened(
+    found: OpenFit, target: Target, field: CurvatureField, tolerance: float, *, rounds: int = ROUNDS
+) -> OpenFit:
     """Take inner vertices out of a fit one by one, merging the faces round each, while the tolerance is met.
 
     Parameters

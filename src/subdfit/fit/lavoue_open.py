@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 from subdfit.errors import InputError
 from subdfit.fit.lavoue import SCHEMES
 from subdfit.fit.lavoue_enrichment import Faces, is_diffuse, principal_error_field
-from subdfit.fit.lavoue_optimisation import optimise
+from subdfit.fit.lavoue_optimisation import ROUNDS, optimise
 from subdfit.limit.surface import LimitSurface
 from subdfit.limit.tessellate import lattice
 from subdfit.measure.facing import MOST_AWAY, share_facing_away
 from subdfit.mesh.checks import positive_length
 from subdfit.mesh.control_mesh import ControlMesh
-from subdfit.schemes import scheme_named
 from subdfit.target.bvh import TriangleTree
 from subdfit.target.curvature import CurvatureField
 from subdfit.target.features import mesh_edges
@@ -58,7 +57,7 @@ def fit_open(
     field: CurvatureField,
     *,
     tolerance: float | None = None,
-    rounds: int = 5,
+    rounds: int = ROUNDS,
     most_vertices: int = 1000,
 ) -> OpenFit:
     """Fit the inside of an open surface, boundary control points held, with as few more as the tolerance needs.
@@ -116,7 +115,9 @@ def optimised(
     """
     # Near enough by few samples is not enough, nor where sheets have fallen together: then all rounds are run.
     for enough in (tolerance, 0.0):
-        step = optimise(mesh, target, field, rounds=rounds, fixed=mesh.topology.boundary_vertices, enough=enough, data=True)
+        step = optimise(
+            mesh, target, field, rounds=rounds, fixed=mesh.topology.boundary_vertices, enough=enough, data=True
+        )
         mesh, (mean, away) = step.mesh, _errors(step.mesh, target)
         found = OpenFit(mesh, mean, away, mean <= tolerance and away <= MOST_AWAY, history)
         if step.mean.min() > tolerance or found.within:
@@ -131,7 +132,7 @@ def _rank(fit: OpenFit) -> tuple[bool, bool, float]:
 
 def _errors(mesh: ControlMesh, target: Target) -> tuple[float, float]:
     """The larger of the mean distances to the target and from it, and the share of the area that faces away."""
-    surface = LimitSurface(mesh, scheme_named(mesh.scheme or "loop"))
+    surface = LimitSurface(mesh)
     grid = lattice(surface.domain, _FINE)
     samples = surface.evaluate(grid.face, grid.uv).position
     there = target.tree.closest(samples)
@@ -146,7 +147,7 @@ def enriched(mesh: ControlMesh, target: Target, *, diffuse: bool = False) -> Con
     A field with a centre is a fault of the connectivity: its faces are merged round a new vertex. A diffuse one, or one
     that holds a control vertex already, lacks freedom: each of its faces is refined.
     """
-    surface = LimitSurface(mesh, scheme_named(mesh.scheme or "loop"))
+    surface = LimitSurface(mesh)
     grid = lattice(surface.domain, _SEGMENTS)
     samples = surface.evaluate(grid.face, grid.uv).position
     distance, place = _field(target, samples, grid.triangles)

@@ -26,6 +26,10 @@ from subdfit.target.target import Target
 Floats = NDArray[np.float64]
 Metric = Literal["squared-distance", "point"]
 
+ROUNDS = 5
+"""Rounds of optimisation, at most, before a control mesh is enriched: m0 in the paper's section 6."""
+_OBLIQUE = 0.5
+"""Share of an offset along the normal below which the nearest point is no foot of a perpendicular."""
 _DAMPING = 1e-6
 """Weight of a control point's own displacement, as a share of the mean weight of the data; decides only what they leave
 open."""
@@ -65,7 +69,7 @@ def optimise(
     target: Target,
     field: CurvatureField,
     *,
-    rounds: int = 5,
+    rounds: int = ROUNDS,
     levels: int = 2,
     metric: Metric = "squared-distance",
     fixed: NDArray[np.bool_] | None = None,
@@ -158,7 +162,7 @@ def distance_metric(
     axes = (found.minimum_direction, found.maximum_direction, found.normal)
     forms = [a[:, :, None] * a[:, None, :] for a in axes]
     metric = weights[0][:, None, None] * forms[0] + weights[1][:, None, None] * forms[1] + forms[2]
-    oblique = np.abs(height) < 0.5 * np.linalg.norm(offset, axis=1)
+    oblique = np.abs(height) < _OBLIQUE * np.linalg.norm(offset, axis=1)
     metric[oblique] = np.eye(3)
     return np.asarray(metric)
 
@@ -178,7 +182,7 @@ def _pull(mesh: ControlMesh, target: Target) -> _Pull:
     met = Projector(surface).nearest(data)
     height = np.sum((surface.evaluate(met.face, met.uv).position - data) * normal, axis=1)
     forms = normal[:, :, None] * normal[:, None, :]
-    forms[np.abs(height) < 0.5 * met.distance] = np.eye(3)
+    forms[np.abs(height) < _OBLIQUE * met.distance] = np.eye(3)
     return _Pull(surface.weights(met.face, met.uv), data, met.distance, forms)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.fit.aim import AimedSamples
-from subdfit.fit.descent import Descent, Part
+from subdfit.fit.descent import FIRM, Descent, Part
 from subdfit.fit.regions import Region, Rows, regions
 from subdfit.fit.reverse import DRAWN, Samples, even_samples, sparse_curve_samples, strays
 from subdfit.fit.state import FitState
@@ -22,8 +22,6 @@ STEPS, GAIN = 6, 0.99
 """Most steps of a spot, which ends when one leaves more than this share of the energy: few faces count for little."""
 ENOUGH = 32
 """Points for each triangle of a face that take part."""
-DAMPING = 1e-2
-"""First damping of a spot: a late split has few points to hold it."""
 FARTHEST = 10.0
 """Samples are aimed at what lies within so many bounds."""
 PERSISTENT = 4.0
@@ -87,7 +85,7 @@ class Spot:
 
     def _settled(self, state: FitState, samples: Samples, insistence: float) -> FitState:
         part = Part(state, samples, sparse_curve_samples(state, self.inner), self.moving, STEPS, GAIN)
-        return Descent(self.weights, self.bound, DAMPING).moved(part, insistence)
+        return Descent(self.weights, self.bound, FIRM).moved(part, insistence)
 
     def _strayed(self, state: FitState) -> float:
         """How far the surface strays at most; 0 within the bound."""

@@ -31,6 +31,11 @@ def badness(state: FitState, tolerance: Tolerance) -> float:
     return max((value / bound for bound, value in asked if bound), default=errors.max)
 
 
+def error_between_data(tolerance: Tolerance) -> float:
+    """The scale of errors between the data, as a share of the diagonal: only the maximum counts, where one is asked."""
+    return tolerance.max or error_that_matters(tolerance)
+
+
 def error_that_matters(tolerance: Tolerance) -> float:
     """The scale of errors, as a share of the diagonal: the maximum asked, or three times the mean or rms."""
     bounds = [tolerance.max] + [3 * bound for bound in (tolerance.rms, tolerance.mean) if bound is not None]

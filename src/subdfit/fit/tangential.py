@@ -14,7 +14,7 @@ from subdfit.fit.reverse import Samples, sparse_curve_samples, sparse_samples
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.spots import spots_moved
 from subdfit.fit.state import Errors, FitState
-from subdfit.fit.stop import CURVE_FACTOR, error_that_matters, within
+from subdfit.fit.stop import CURVE_FACTOR, error_between_data, error_that_matters, within
 from subdfit.fit.strays import Strays
 from subdfit.fit.tangent import TangentSettings
 
@@ -57,11 +57,9 @@ class Tangential:
 
     def __init__(self, settings: FitSettings, weights: TangentSettings | None = None) -> None:
         self.settings = settings
-        bound = error_that_matters(settings.tolerance)
-        robust = ROBUST * bound if settings.robust else np.inf
+        robust = ROBUST * error_that_matters(settings.tolerance) if settings.robust else np.inf
         weights = weights or TangentSettings(robust=robust)
-        # Between the data only the largest error counts, where one is asked.
-        self._descent = Descent(weights, settings.tolerance.max or bound, weights.damping)
+        self._descent = Descent(weights, error_between_data(settings.tolerance), weights.damping)
         self._strays = Strays(settings.tolerance.max)
         self._begun = self._cut = self._drawn = False
 

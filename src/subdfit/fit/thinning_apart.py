@@ -6,14 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.fit.changes import faces_at, ring
-from subdfit.fit.descent import Descent, Part
+from subdfit.fit.descent import FIRM, Descent, Part
 from subdfit.fit.places import Places
 from subdfit.fit.regions import Region
 from subdfit.fit.reverse import DRAWN, even_samples, sparse_curve_samples, strays
 from subdfit.fit.state import FitState
 from subdfit.fit.tangent import TangentSettings
 from subdfit.fit.thinning_changes import Change
-from subdfit.fit.thinning_hold import DAMPING, ENOUGH, GAIN, STEPS, Hold, Kept, drawn
+from subdfit.fit.thinning_hold import ENOUGH, GAIN, STEPS, Hold, Kept, drawn
 from subdfit.limit.surface import LimitSurface
 from subdfit.measure import reverse_segments
 from subdfit.mesh.polygon_edits import PolygonEdits
@@ -132,7 +132,7 @@ class _Trial:
         samples = even_samples(surface, target, segments, inner)
         samples = samples.joined(strays(surface, target, self._hold.bound, inner, segments, DRAWN))
         part = Part(some, samples, sparse_curve_samples(some, inner), free, STEPS, GAIN)
-        return state.followed(Descent(TangentSettings(), self._hold.bound, DAMPING).moved(part), rows)
+        return state.followed(Descent(TangentSettings(), self._hold.bound, FIRM).moved(part), rows)
 
     @staticmethod
     def _excess(state: FitState) -> float:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subdfit.fit.changes import cells_moved_by
-from subdfit.fit.descent import Descent, Part
+from subdfit.fit.descent import FIRM, Descent, Part
 from subdfit.fit.reverse import (
     DRAWN,
     Samples,
@@ -19,7 +19,7 @@ from subdfit.fit.reverse import (
 )
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
-from subdfit.fit.stop import error_that_matters, within
+from subdfit.fit.stop import error_between_data, within
 from subdfit.fit.tangent import TangentSettings
 from subdfit.measure import reverse_segments
 from subdfit.mesh.control_mesh import ControlMesh
@@ -34,8 +34,6 @@ ENOUGH = 24
 """Points for each triangle of a face that take part in steps: large faces swing between fewer."""
 STEPS, GAIN = 4, 0.98
 """Most steps, which end when one leaves more than this share of the energy."""
-DAMPING = 1e-2
-"""Their first damping: large faces leave directions in which little holds their vertices."""
 REDRAWN = 20
 """Steps that draw the limit points of what is left to where they were; nothing is refined here, and little swings."""
 
@@ -81,8 +79,7 @@ class Hold:
 
     def __init__(self, settings: FitSettings) -> None:
         self.tolerance = settings.tolerance
-        # Between the data only the largest error counts, where one is asked.
-        self.bound = settings.tolerance.max or error_that_matters(settings.tolerance)
+        self.bound = error_between_data(settings.tolerance)
         self._fixed_boundary = settings.fixed_boundary
 
     def holds(self, state: FitState) -> bool:
@@ -119,7 +116,7 @@ class Hold:
         samples = samples.joined(self._strays(state))
         curves = sparse_curve_samples(some, np.ones(state.surface.domain.face_count, np.bool_))
         part = Part(some, samples, curves, free, STEPS, GAIN)
-        return state.followed(Descent(TangentSettings(), self.bound, DAMPING).moved(part), rows)
+        return state.followed(Descent(TangentSettings(), self.bound, FIRM).moved(part), rows)
 
     def _strays(self, state: FitState) -> Samples:
         """What strays by half the bound and more, peaks between samples only where a largest error is asked."""

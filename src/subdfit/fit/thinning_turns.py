@@ -23,8 +23,6 @@ SAMPLES = 8
 """Places at which an edge is compared with them."""
 NO_DIRECTION = 45.0
 """Degrees that count where there are none."""
-FLAT = 0.3
-"""Curvature times diagonal below which a difference of principal curvatures says nothing."""
 THIN = 0.05
 """Least sine of a corner of a face that a turn makes."""
 
@@ -68,7 +66,7 @@ class Alignment:
     @cached_property
     def _plain(self) -> NDArray[np.bool_]:
         """Triangles where the target has no lines of curvature."""
-        return self.curvature.isotropic(least=FLAT / self.target.diagonal)
+        return self.curvature.isotropic(self.target.diagonal)
 
     def degrees(self, begin: Floats, end: Floats) -> Floats:
         """Mean angles between chords, from (k, 3) to (k, 3), and the line of curvature that each follows better, (k,).

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from subdfit.errors import InputError
 from subdfit.initial.lavoue_crossing import Edges
-from subdfit.initial.lavoue_scores import ScoredSurface
+from subdfit.initial.lavoue_scores import DIGITS, ScoredSurface
 from subdfit.limit.curvature import unit
 from subdfit.mesh.checks import row_numbers
 from subdfit.target.curvature import CurvatureField
@@ -190,7 +190,7 @@ def _candidates(surface: ScoredSurface, anchors: Indices, loop_of: Indices) -> l
     near[order[:_MOST_LINKS]] = True
     ends = [(int(anchors[a]), int(anchors[b])) for a, b in pairs[near]]
     score, length = surface.scores(surface.find(ends))
-    best = pairs[near][np.lexsort((length, np.round(score, 6)))]
+    best = pairs[near][np.lexsort((length, np.round(score, DIGITS)))]
     # Boundaries far from all others are linked by what is left, the shortest first.
     return [(int(a), int(b)) for a, b in [*best, *pairs[order[_MOST_LINKS:]]]]
 

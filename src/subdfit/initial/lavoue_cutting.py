@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from subdfit.initial.lavoue_contour import Contour
 from subdfit.initial.lavoue_convex import convex_parts, is_convex
 from subdfit.initial.lavoue_facing import Facing
+from subdfit.initial.lavoue_scores import DIGITS
 
 Floats = NDArray[np.float64]
 Ring = list[int]
@@ -86,7 +87,7 @@ class Cutting:
         ends = [(int(self.contour.vertices[i]), int(self.contour.vertices[j])) for i, j in pairs]
         paths = surface.find(ends, "dijkstra")
         score, length = surface.scores(paths)
-        self._rough = dict(zip(pairs, zip(_rounded(score), length.tolist(), strict=True), strict=True))
+        self._rough = dict(zip(pairs, zip(np.round(score, DIGITS).tolist(), length.tolist(), strict=True), strict=True))
         normals, possible = np.zeros((count, count, 3)), np.zeros((count, count), np.bool_)
         rows, columns = np.array(pairs).T
         normals[rows, columns] = normals[columns, rows] = surface.mean_normals(paths)
@@ -142,11 +143,7 @@ class Cutting:
         surface = self.contour.surface
         ends = [(int(self.contour.vertices[i]), int(self.contour.vertices[j])) for i, j in fresh]
         score, length = surface.scores(surface.find(ends))
-        self._fine.update(zip(fresh, zip(_rounded(score), length.tolist(), strict=True), strict=True))
-
-
-def _rounded(score: Floats) -> list[float]:
-    return list(np.round(score, 6))
+        self._fine.update(zip(fresh, zip(np.round(score, DIGITS).tolist(), length.tolist(), strict=True), strict=True))
 
 
 def _heights(points: Floats) -> Floats:

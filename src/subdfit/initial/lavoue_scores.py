@@ -29,8 +29,8 @@ _TOUCHING = 1e-6
 """Distance from the boundary, as a share of the diagonal, at which a path runs along it."""
 _BESIDE = 20.0
 """An edge as far from a path as this path is long counts so many times as long, beside its own length."""
-_FLAT = 0.3
-"""Curvature times diagonal below which a difference of principal curvatures says nothing."""
+DIGITS = 6
+"""Decimals to which scores are compared: what differs less is level, and rounding decides nothing."""
 
 
 @dataclass(frozen=True)
@@ -155,18 +155,17 @@ class ScoredSurface:
         except RuntimeError:
             raise _unjoined(a, b) from None
 
-    def scores(self, paths: Sequence[Floats], *, sampled: bool = True) -> tuple[Floats, Floats]:
+    def scores(self, paths: Sequence[Floats]) -> tuple[Floats, Floats]:
         """Coherency scores (equation 4) of paths, in degrees from 0 (best) to 90, and the paths' lengths.
 
-        For each place of a path the angles between the two principal directions and the chord from the path's first to
-        its last point are folded into 0 to 90; the better of the two sums over the path, over the number of places, is
-        the score. Places where the tensor is isotropic count 45, places on the boundary 90.
+        At even distances along a path, so that the tessellation does not matter, the angles between the two principal
+        directions and the chord from the path's first to its last point are folded into 0 to 90; the better of the two
+        sums over the path, over the number of places, is the score. Places where the tensor is isotropic count 45,
+        places on the boundary 90.
 
         Parameters
         ----------
         paths : points (k, 3) each, k >= 2.
-        sampled
-            Compare at even distances along the path, so that the tessellation does not matter; else at its points.
 
         Raises
         ------
@@ -178,10 +177,8 @@ class ScoredSurface:
             return np.empty(0), np.empty(0)
         if min(map(len, paths)) < 2:
             raise InputError("a path of 1 point has no direction; give 2 or more")
-        places = [_between(path) if sampled else path for path in paths]
-        count = np.array([len(place) for place in places])
-        owner = np.repeat(np.arange(len(paths)), count)
-        at = np.concatenate(places)
+        owner = np.repeat(np.arange(len(paths)), _SAMPLES)
+        at = np.concatenate([_between(path) for path in paths])
         chord = np.array([path[-1] - path[0] for path in paths])
         chord /= np.maximum(np.linalg.norm(chord, axis=1, keepdims=True), 1e-300)
         nearest = self._tree.closest(at)
@@ -190,14 +187,13 @@ class ScoredSurface:
             np.degrees(np.arccos(np.clip(np.abs(np.sum(direction * chord[owner], axis=1)), 0, 1)))
             for direction in (found.minimum_direction, found.maximum_direction)
         )
-        plain = found.isotropic(least=_FLAT / self.diagonal)
+        plain = found.isotropic(self.diagonal)
         blocked = self._rim.closest(at).distance <= _TOUCHING * self.diagonal
-        inner = np.concatenate([(np.arange(n) > 0) & (np.arange(n) < n - 1) | sampled for n in count])
         sums = []
         for angle in (smallest, largest):
             angle[plain] = _NO_DIRECTION
-            angle[blocked & inner] = _BLOCKED
-            sums.append(np.bincount(owner, angle, len(paths)) / count)
+            angle[blocked] = _BLOCKED
+            sums.append(np.bincount(owner, angle, len(paths)) / _SAMPLES)
         length = np.array([np.linalg.norm(np.diff(path, axis=0), axis=1).sum() for path in paths])
         return np.minimum(*sums), length
 

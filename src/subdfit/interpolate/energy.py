@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 
 _CELLS = 8192
 """Cells that are integrated at a time."""
-_FLAT = 1e-12
+_COLLAPSED = 1e-12
 """Squared sine of the angle between the parameter directions below which a point of the reference has no metric."""
 
 _GAUSS, _GAUSS_SHARES = np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)]) / 2 + 0.5, np.array([5.0, 8.0, 5.0]) / 18
@@ -79,7 +79,7 @@ def _frame_components(first: Floats, second: Floats, weight: Floats) -> Floats:
     u, v = first[:, 0], first[:, 1]
     E, F, G = (np.einsum("kd,kd->k", a, b) for a, b in ((u, u), (u, v), (v, v)))
     square = E * G - F * F
-    fine = square > _FLAT * E * G
+    fine = square > _COLLAPSED * E * G
     E, F, G, square = (np.where(fine, x, y) for x, y in ((E, 1.0), (F, 0.0), (G, 1.0), (square, 1.0)))
     # Christoffel symbols (2, 3, k): the part of uu, uv and vv along u and v.
     by_u, by_v = (np.einsum("kcd,kd->ck", second, a) for a in (u, v))

@@ -7,6 +7,11 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
+_ROUND = 0.1
+"""Share of the larger principal curvature by which the other differs at least where directions mean something."""
+_FLAT = 0.3
+"""Curvature times diagonal below which a difference of principal curvatures says nothing."""
+
 
 @dataclass(frozen=True)
 class PrincipalCurvature:
@@ -26,16 +31,15 @@ class PrincipalCurvature:
     maximum_direction: Floats
     normal: Floats
 
-    def isotropic(self, share: float = 0.1, least: float = 0.0) -> NDArray[np.bool_]:
+    def isotropic(self, diagonal: float = np.inf) -> NDArray[np.bool_]:
         """Tell where the directions carry no information: planes and spheres, (k,) bool.
 
         Parameters
         ----------
-        share : the two curvatures differ by less than this share of the larger, in absolute value.
-        least : or they differ by less than this curvature.
+        diagonal : of the surface's bounding box: curvatures that differ by little against one over it count as alike.
         """
         size = np.maximum(np.abs(self.minimum), np.abs(self.maximum))
-        return np.asarray(self.maximum - self.minimum <= np.maximum(share * size, least))
+        return np.asarray(self.maximum - self.minimum <= np.maximum(_ROUND * size, _FLAT / diagonal))
 
 
 def principal_curvature(tensors: Floats, normals: Floats) -> PrincipalCurvature:

@@ -16,6 +16,9 @@ Floats = NDArray[np.float64]
 Labels = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
+FLAT = 0.05
+"""Degrees across edges within a plane, as much as coordinates in single precision bend it."""
+
 
 @dataclass(frozen=True)
 class Facets:

@@ -17,6 +17,7 @@ from subdfit.limit.curvature import unit
 from subdfit.mesh.short_edges import Coarsened, without_short_edges
 from subdfit.target.features import edges_among, mesh_edges
 from subdfit.target.normals import face_normals
+from subdfit.target.segmentation_facets import FLAT
 
 Floats = NDArray[np.float64]
 Triangles = NDArray[np.int32]
@@ -24,8 +25,10 @@ Creases = NDArray[np.int64]
 
 _TURN = 1.0
 """Degrees by which noise turns half of the triangles at least, or nothing is done about it."""
-_FLAT, _FEW = 0.05, 0.05
-"""Degrees across an edge within a plane; noise leaves no more than this share of the edges as flat."""
+_FEW = 0.05
+"""Noise leaves no more than this share of the edges as flat as within a plane."""
+_SMOOTHEST = 0.05
+"""Share of the places that are the smoothest: of these the roughest counts."""
 _ALIKE = 2.0
 """Noise is alike everywhere: it is called that if half of the places lie within as many times the smoothest of them."""
 _PLACES = 200
@@ -63,13 +66,13 @@ def noise_of(points: Floats, triangles: Triangles, creases: Creases) -> float:
     """
     edges = mesh_edges(points, triangles)
     inner = edges.valence == 2
-    if np.count_nonzero(inner & (edges.angle < _FLAT)) > _FEW * np.count_nonzero(inner):
+    if np.count_nonzero(inner & (edges.angle < FLAT)) > _FEW * np.count_nonzero(inner):
         return 0.0
     pairs = edges.faces[inner & ~edges_among(edges.vertices, creases)]
     left = [_roughness(points[near]) for near in _places(triangles, pairs) if len(near) >= _POINTS]
     if not left:
         return 0.0
-    least, half = np.quantile(left, [_FEW, 0.5])
+    least, half = np.quantile(left, [_SMOOTHEST, 0.5])
     sides, area = _sides_and_areas(points, triangles)
     height = float(np.median(2 * area / np.maximum(sides.max(axis=1), np.finfo(float).tiny)))
     matters = half > np.tan(np.radians(_TURN)) * height and half <= _ALIKE * least

@@ -6,10 +6,8 @@ curvature on its two sides is then the same, and both become one region.
 
 import numpy as np
 
-from subdfit.target.segmentation_facets import Facets, Labels
+from subdfit.target.segmentation_facets import FLAT, Facets, Labels
 
-_FLAT = 0.05
-"""Degrees across edges within a plane, as much as coordinates in single precision bend it."""
 _MOST = 0.5
 """Share of a region that is flat in one piece if the region is a plane and what was taken for its continuation."""
 
@@ -23,7 +21,7 @@ def with_planes(facets: Facets, labels: Labels) -> Labels:
     labels : (m,) int, the region of each triangle, from 0.
     """
     ball = np.pi * facets.radius**2
-    piece = facets.connected((facets.edges.angle < _FLAT) & ~facets.sharp)
+    piece = facets.connected((facets.edges.angle < FLAT) & ~facets.sharp)
     size, region = np.bincount(piece, facets.areas), np.bincount(labels, facets.areas)
     found = labels.copy()
     for k in np.flatnonzero(size >= ball):

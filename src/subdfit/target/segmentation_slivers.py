@@ -18,7 +18,7 @@ _BEVEL = 45.0
 """Degrees by which a triangle made by a flip may face away from both together: a sharp edge beside it stays."""
 _MOST = 1e-3
 """Diagonals of the box by which flips may move the surface: less than a plate's rim, more than coordinates err."""
-_FLAT = 1.0
+_PIECE = 1.0
 """Degrees across edges within a flat piece, by which a needle's normal is known to be right."""
 _TURNS = 16
 """Most rounds of unfolding, which leave fewer folded triangles each."""
@@ -102,7 +102,7 @@ def _sure(points: Floats, corners: NDArray[np.int32], creases: Creases, width: f
     edges = mesh_edges(points, corners)
     sharp = edges_among(edges.vertices, creases)
     facets = Facets(points, corners, edges, sharp, width)
-    piece = facets.connected((edges.angle < _FLAT) & ~sharp)
+    piece = facets.connected((edges.angle < _PIECE) & ~sharp)
     longest = np.zeros(int(piece.max()) + 1)
     np.maximum.at(longest, piece, np.sqrt(_squares(points[corners]).max(axis=1)))
     wide = 2 * np.bincount(piece, facets.areas) > width * longest
