@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 import trimesh
 
-from subdfit.errors import InputError
 from subdfit.target.curves import boundary_corners, boundary_edges, boundary_loops, curves, directions, zigzag
 from subdfit.target.features import crease_edges
 
@@ -41,16 +40,6 @@ def test_curves_split_where_three_meet_and_every_edge_is_used_once():
     assert sum(len(curve.edges) for curve in found) == len(edges)
 
 
-def test_sharp_turns_split_when_asked():
-    points = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0]], float)
-    square = np.array([[0, 1], [1, 2], [2, 3], [3, 4], [4, 0]])
-    assert len(curves(square)) == 1
-    found = curves(square, points=points, turn_degrees=45.0)
-    assert [curve.vertices.tolist() for curve in found] == [[0, 1, 2], [2, 3], [3, 4], [4, 0]]
-    with pytest.raises(InputError, match="points="):
-        curves(square, turn_degrees=45.0)
-
-
 def test_directions_are_those_of_the_curve_and_unknown_where_it_turns_back():
     angle = np.linspace(0, 2 * np.pi, 90, endpoint=False)
     ring = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(90)])
@@ -58,16 +47,6 @@ def test_directions_are_those_of_the_curve_and_unknown_where_it_turns_back():
     assert np.allclose(directions(ring, edges), np.cross([0, 0, 1], ring))
     spike = np.array([[0, 0, 0], [1, 0.1, 0], [0, 0.2, 0], [5, 5, 5]], float)
     assert np.array_equal(np.linalg.norm(directions(spike, np.array([[0, 1], [1, 2]])), axis=1).round(9), [1, 0, 1, 0])
-
-
-def test_a_loop_with_one_corner_begins_and_ends_there():
-    angle = np.linspace(0.0, 1.5 * np.pi, 31)
-    points = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
-    points = np.concatenate([points, [[1.0, -1.0, 0.0]]])
-    ring = np.stack([np.arange(32), (np.arange(32) + 1) % 32], axis=1)
-    (curve,) = curves(ring, points=points, turn_degrees=60.0)
-    assert not curve.closed
-    assert curve.vertices[0] == curve.vertices[-1] == 31
 
 
 def test_box_creases_are_twelve_curves():

@@ -1,11 +1,11 @@
-"""Samples inside large faces and long edges."""
+"""Samples inside large faces."""
 
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
 from subdfit.errors import InputError
-from subdfit.target.sampling import edge_samples, face_samples
+from subdfit.target.sampling import face_samples
 
 
 def random_faces(seed):
@@ -48,17 +48,8 @@ def test_samples_do_not_depend_on_where_a_face_begins():
     np.testing.assert_allclose(np.roll(weights(turned_uv), -1, axis=1), weights(uv), atol=1e-15)
 
 
-def test_edge_samples_divide_evenly():
-    points = np.array([[0, 0, 0], [3, 0, 0], [3, 1, 0]], float)
-    edge, t = edge_samples(points, np.array([[0, 1], [1, 2], [2, 0]]), 1.0)
-    assert edge.tolist() == [0, 0, 2, 2, 2]
-    np.testing.assert_allclose(t, [1 / 3, 2 / 3, 1 / 4, 2 / 4, 3 / 4])
-
-
 @pytest.mark.parametrize("spacing", [0.0, -1.0, np.nan])
 def test_bad_spacing_is_named(spacing):
     points, faces = random_faces(3)
     with pytest.raises(InputError, match="positive length"):
         face_samples(points, faces, spacing)
-    with pytest.raises(InputError, match="positive length"):
-        edge_samples(points, faces[:, :2], spacing)

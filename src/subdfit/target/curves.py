@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from subdfit.errors import InputError
-
 _CORNER, _CONTRAST, _STRAIGHT, _STRAYS = 45.0, 4.0, 3, 0.5
 """A boundary has a corner where it turns by so many degrees, and by so many times less at so many points to each side;
 but none of a loop of whose turns of so many degrees more than the last share are no corners: it is ragged."""
@@ -23,8 +21,8 @@ class Curve:
     Attributes
     ----------
     vertices : (k,) int64, rows of the points; a closed curve does not repeat its first vertex. An open
-        curve may begin and end at the same corner.
-    closed : whether the last vertex is joined to the first, smoothly.
+        curve may begin and end at the same vertex, where others meet it.
+    closed : whether the last vertex is joined to the first.
     """
 
     vertices: NDArray[np.int64]
@@ -146,31 +144,18 @@ def boundary_loops(triangles: NDArray[np.integer]) -> list[Curve]:
     return curves(boundary_edges(triangles))
 
 
-def curves(
-    edges: NDArray[np.integer],
-    *,
-    points: NDArray[np.float64] | None = None,
-    turn_degrees: float | None = None,
-) -> list[Curve]:
-    """Chain edges to curves, split at corners.
+def curves(edges: NDArray[np.integer]) -> list[Curve]:
+    """Chain edges to curves, split where other than two edges meet.
 
-    A vertex is a corner unless exactly two edges meet there and, when `turn_degrees` is given, the chain
-    turns there by no more than that. A curve takes the direction of its first edge.
+    A curve takes the direction of its first edge.
 
     Parameters
     ----------
     edges : (e, 2) int, each edge once.
-    points : (n, 3) float64, needed with `turn_degrees`.
-    turn_degrees : the largest turn within a curve, optional; a straight chain turns by 0.
 
     Returns
     -------
     The open curves in order of their first vertex, then the closed ones.
-
-    Raises
-    ------
-    InputError
-        `turn_degrees` without `points`.
     """
     edges = np.asarray(edges, np.int64).reshape(-1, 2)
     if len(edges) == 0:
@@ -180,23 +165,9 @@ def curves(
     _, first, degree = np.unique(vertex[side], return_index=True, return_counts=True)
     smooth = degree == 2
     pairs = side[first[smooth, None] + [0, 1]]
-    if turn_degrees is not None:
-        if points is None:
-            raise InputError("splitting curves at sharp turns needs the points; pass points= with turn_degrees=")
-        gentle = _turns(points, edges, pairs) <= turn_degrees
-        pairs = pairs[gentle]
     joined = np.full(edges.size, -1)
     joined[pairs[:, 0]], joined[pairs[:, 1]] = pairs[:, 1], pairs[:, 0]
     return _walk(edges, joined)
-
-
-def _turns(points: NDArray[np.float64], edges: NDArray[np.int64], pairs: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Degrees by which a chain turns where the edge ends of each pair (k, 2) meet."""
-    far = points[edges.ravel()[pairs ^ 1]]
-    here = points[edges.ravel()[pairs]]
-    a, b = here[:, 0] - far[:, 0], far[:, 1] - here[:, 1]
-    turn: NDArray[np.float64] = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.sum(a * b, axis=1))
-    return np.degrees(turn)
 
 
 def _walk(edges: NDArray[np.int64], joined: NDArray[np.int64]) -> list[Curve]:

@@ -49,36 +49,6 @@ def face_samples(
     return large[face], weights[:, 1:]
 
 
-def edge_samples(
-    points: NDArray[np.float64], edges: NDArray[np.integer], spacing: float
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Samples inside the edges longer than a spacing, dividing each in equal steps no longer than that.
-
-    Parameters
-    ----------
-    points : (n, 3) float64.
-    edges : (e, 2) int, rows of `points`.
-    spacing : largest step, > 0, in the points' unit.
-
-    Returns
-    -------
-    edge : (s,) int64, in increasing order.
-    parameter : (s,) float64, strictly between 0 and 1; the sample is ``(1 - t) a + t b``.
-
-    Raises
-    ------
-    InputError
-        The spacing is not a positive length.
-    """
-    if not spacing > 0.0:
-        raise InputError(f"the spacing of edge samples is {spacing}; give a positive length")
-    length = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1)
-    steps = np.maximum(np.ceil(length / spacing), 1).astype(np.int64)
-    edge, position = _spread(steps - 1)
-    parameter: NDArray[np.float64] = position * (steps[edge] - 1) + 0.5
-    return edge, parameter / steps[edge]
-
-
 def _spread(counts: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Middles of ``counts[i]`` equal parts of [0, 1] for every i: the owners i and the positions."""
     owner = np.repeat(np.arange(len(counts)), counts)
