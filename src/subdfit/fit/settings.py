@@ -16,7 +16,7 @@ class FitSettings:
         with many sharp edges, and a result's settings then say ``lavoue``.
     tolerance : what must hold.
     control_vertices : vertices of the first control mesh; None chooses from the tolerance.
-    max_control_vertices : budget; None is unbounded.
+    max_control_vertices : budget; None is one a point of the target.
     robust : share of the data points that may be left out as outliers; 0 leaves out none.
     fixed_boundary : the boundary's curve is fitted first, by the data's boundary alone, and then held.
     thin : in the end remove control vertices and merge faces while the tolerance holds; ``lavoue`` does so anyway.

@@ -103,7 +103,10 @@ def _surface(points: Floats, patch: Patch, noise: float) -> ScoredSurface:
 
 
 def _without_thin(faces: list[Ring], positions: list[Floats]) -> list[Ring]:
-    """Faces of which no inner vertex has two only: the larger of such two gets one more control edge, or a vertex."""
+    """Faces of which no inner vertex has two only: the larger of such two gets one more control edge, or a vertex.
+
+    Changes both lists in place.
+    """
     while True:
         owner: dict[int, list[int]] = {}
         for k, ring in enumerate(faces):
