@@ -4,6 +4,7 @@ import time
 from dataclasses import replace
 
 import numpy as np
+from tests.shapes import grids, slivers
 from tests.shapes.bad_meshes import decimated, noisy, with_slivers
 from tests.shapes.paper_patches import boss, cushion, tube
 
@@ -34,10 +35,10 @@ def run() -> str:
 def curvature() -> str:
     """Errors of direction and value on a cylinder and a torus of random vertices, joined as if stretched."""
     rows = []
-    for shape, period in (("cylinder", 3.0), ("torus", 2 * np.pi * 0.4)):
+    for shape in (slivers.cylinder, slivers.torus):
         for stretch in (0.3, 1.0, 3.0):
             for count in (3000, 12000):
-                rows.append([shape, f"{stretch}", f"{count:,}", *_errors(shape, period, stretch, count)])
+                rows.append([shape.__name__, f"{stretch}", f"{count:,}", *_errors(shape(count, stretch))])
     head = [
         "surface",
         "stretch",
@@ -51,21 +52,15 @@ def curvature() -> str:
     return table(head, rows)
 
 
-def _errors(shape: str, period: float, stretch: float, count: int) -> list[str]:
-    q, triangles = _scattered(count, period, stretch, both=shape == "torus")
-    a, b = q[:, 0], q[:, 1] / 0.4
-    ring = 1 + 0.4 * np.cos(b) if shape == "torus" else np.ones(len(q))
-    height = 0.4 * np.sin(b) if shape == "torus" else q[:, 1]
-    points = np.stack([ring * np.cos(a), ring * np.sin(a), height], 1)
-    along = np.stack([-np.sin(a), np.cos(a), 0 * a], 1) if shape == "torus" else np.array([[0.0, 0.0, 1.0]])
+def _errors(surface: slivers.Analytic) -> list[str]:
     clock = time.process_time()
-    found = curvature_field(points, triangles).at_vertices()
+    found = curvature_field(surface.points, surface.triangles).at_vertices()
     clock = time.process_time() - clock
-    off = np.degrees(np.arccos(np.clip(np.abs(np.sum(found.minimum_direction * along, axis=1)), 0, 1)))
-    exact = 2.5 if shape == "torus" else 1.0
-    wrong = np.median(np.abs(found.maximum / exact - 1))
+    cosine = np.abs(np.sum(found.minimum_direction * surface.minimum_direction, axis=1))
+    off = np.degrees(np.arccos(np.clip(cosine, 0, 1)))
+    wrong = np.median(np.abs(found.maximum / surface.maximum - 1))
     values = [f"{np.median(off):.2f}°", f"{np.percentile(off, 95):.2f}°", f"{100 * wrong:.1f} %", f"{clock:.2f}"]
-    return [f"{_aspect(points[triangles]):.0f}", *values]
+    return [f"{_aspect(surface.points[surface.triangles]):.0f}", *values]
 
 
 def _aspect(corners: np.ndarray) -> float:
@@ -73,27 +68,6 @@ def _aspect(corners: np.ndarray) -> float:
     sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     return float(np.percentile(sides**2 / area, 95))
-
-
-def _scattered(count: int, height: float, stretch: float, *, both: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Random points of a strip that closes round, and triangles Delaunay once stretched along it."""
-    from scipy.spatial import Delaunay
-
-    width = 2 * np.pi
-    q = np.random.default_rng(0).uniform(size=(count, 2)) * [width, height]
-    if not both:
-        rim = np.linspace(0, width, int(np.sqrt(count * width / height)), endpoint=False)
-        q = np.concatenate([q, *(np.stack([rim, np.full(len(rim), end)], 1) for end in (0.0, height))])
-    shifts = [(i * width, j * height) for i in (0, -1, 1) for j in ((0, -1, 1) if both else (0,))]
-    tiled = np.concatenate([q + shift for shift in shifts])
-    triangles = Delaunay(tiled * [stretch, 1.0]).simplices
-    centre = tiled[triangles].mean(axis=1)
-    own = (centre[:, 0] >= 0) & (centre[:, 0] < width)
-    if both:
-        own &= (centre[:, 1] >= 0) & (centre[:, 1] < height)
-    a, b, c = np.moveaxis(tiled[triangles], 1, 0)
-    area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
-    return q, triangles[own & (area > 1e-12)] % len(q)
 
 
 def curves() -> str:
@@ -161,9 +135,8 @@ def _wavy(scheme: str, whole: int) -> ControlMesh:
     """A wavy square of 25 quads, of which so many are left whole and the others cut in two triangles."""
     x, y = np.meshgrid(np.arange(6), np.arange(6), indexing="ij")
     points = np.stack([x, y, 0.8 * np.sin(x) * np.cos(0.7 * y)], -1).reshape(-1, 3) / 5
-    i = np.arange(36).reshape(6, 6)
-    quads = np.stack([i[:-1, :-1], i[1:, :-1], i[1:, 1:], i[:-1, 1:]], -1).reshape(-1, 4)
-    faces = [*quads[:whole], *quads[whole:, [0, 1, 2]], *quads[whole:, [0, 2, 3]]]
+    quads = grids.quads_of(grids.vertices(6, 6))
+    faces = [*quads[:whole], *grids.cut(quads[whole:])]
     offsets = np.cumsum([0, *map(len, faces)])
     return ControlMesh(Topology.from_faces(offsets, np.concatenate(faces), 36), points, scheme)
 

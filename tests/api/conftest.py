@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 import trimesh
 
+from shapes import grids
+
 
 @pytest.fixture(scope="session")
 def sphere() -> tuple[np.ndarray, np.ndarray]:
@@ -18,6 +20,4 @@ def sheet() -> tuple[np.ndarray, np.ndarray]:
     n = 25
     x, y = np.meshgrid(np.linspace(0, 2, n), np.linspace(0, 1, n), indexing="ij")
     points = np.stack([x, y, 0.1 * np.sin(3 * x) * np.cos(2 * y)], axis=-1).reshape(-1, 3)
-    corner = (np.arange(n - 1)[:, None] * n + np.arange(n - 1)).ravel()
-    a, b, c, d = corner, corner + n, corner + n + 1, corner + 1
-    return points, np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+    return points, grids.triangles_of(grids.vertices(n, n))

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from pixels import covered, painted, reddish, sphere
 
+from shapes import grids
 from shapes.parts import can
 from subdfit.draw.camera import camera_for
 from subdfit.draw.depth import DepthPicture, Grid
@@ -176,9 +177,8 @@ def plate(cells, thickness):
     """A closed box of width and height 1 on a grid of cells, z from -thickness to 0, its front faces first."""
     x, y = np.meshgrid(np.linspace(0, 1, cells + 1), np.linspace(0, 1, cells + 1))
     front = np.stack([x, y, 0 * x], axis=2).reshape(-1, 3)
-    i = np.arange(len(front)).reshape(cells + 1, cells + 1)
-    a, b, c, d = i[:-1, :-1].ravel(), i[:-1, 1:].ravel(), i[1:, 1:].ravel(), i[1:, :-1].ravel()
-    face = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+    i = grids.vertices(cells + 1, cells + 1)
+    face = grids.triangles_of(i.T)
     rim = np.concatenate([i[0, :-1], i[:-1, -1], i[-1, :0:-1], i[:0:-1, 0]])
     after, back = np.roll(rim, -1), len(front)
     wall = np.concatenate([np.stack([rim, rim + back, after], 1), np.stack([after, rim + back, after + back], 1)])
@@ -227,10 +227,7 @@ def test_the_near_wall_of_an_open_thin_tube_hides_the_far_wall(sections):
     ring = np.stack([0.03 * np.sin(angle), 0 * angle, 0.01 * np.cos(angle)], axis=1)
     height = np.linspace(0.0, 1.0, 4)
     points = np.concatenate([ring + np.array([0.0, y, 0.0]) for y in height])
-    i = np.arange(len(points)).reshape(len(height), sections)
-    a, b, c, d = i[:-1], np.roll(i[:-1], -1, 1), np.roll(i[1:], -1, 1), i[1:]
-    quads = np.stack([a, b, c, d], 2).reshape(-1, 4)
-    triangles = np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    triangles = grids.triangles_of(grids.wrapped(grids.vertices(len(height), sections)).T)
     far = points[triangles][:, :, 2].mean(axis=1) < 0.0
     camera = camera_for(points, triangles, azimuth=0.0, elevation=40.0)
     colors = np.where(far[:, None], RED, 0.7)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from shapes import grids
 from subdfit.fit.lavoue_enrichment import Faces
 from subdfit.fit.lavoue_lightening import lightened
 from subdfit.fit.lavoue_open import OpenFit
@@ -17,8 +18,8 @@ SCHEMES = ["quad-triangle", "catmull-clark"]
 def plate(n, scheme):
     """A square of n x n quads with tagged corners."""
     x, y = np.meshgrid(np.arange(n + 1.0), np.arange(n + 1.0), indexing="ij")
-    i = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
-    quads = np.stack([i[:-1, :-1], i[1:, :-1], i[1:, 1:], i[:-1, 1:]], -1).reshape(-1, 4)
+    i = grids.vertices(n + 1, n + 1)
+    quads = grids.quads_of(i)
     corners = i[[0, 0, -1, -1], [0, -1, 0, -1]]
     topology = Topology.from_faces(4 * np.arange(n * n + 1), quads.ravel(), (n + 1) ** 2, corner_vertices=corners)
     return ControlMesh(topology, np.stack([x, y, 0 * x], -1).reshape(-1, 3) / n, scheme)
@@ -27,8 +28,7 @@ def plate(n, scheme):
 def fitted(mesh, *, within):
     """A plate that is taken for a fit of a finer one, and that."""
     dense = plate(8, mesh.scheme)
-    quads = dense.topology.face_vertices.reshape(-1, 4)
-    triangles = np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]])
+    triangles = grids.cut(dense.topology.face_vertices.reshape(-1, 4))
     target, field = mesh_target(dense.points, triangles), curvature_field(dense.points, triangles)
     return OpenFit(mesh, 0.0, 0.0, within, []), target, field, 1e-6
 

@@ -6,6 +6,7 @@ import trimesh
 
 import subdfit
 from shapes.drilled import distance_from_edges, drilled_block
+from shapes.zoo import euler
 from subdfit.errors import InputError
 from subdfit.fit.driver import fit_target
 from subdfit.fit.lavoue import lavoue_start
@@ -13,10 +14,6 @@ from subdfit.fit.settings import FitSettings
 from subdfit.limit.surface import LimitSurface
 from subdfit.measure import Tolerance
 from subdfit.target.target import cloud_target, mesh_target
-
-
-def euler(topology):
-    return topology.vertex_count - topology.edge_count + topology.face_count
 
 
 def lavoue(mesh, **options):

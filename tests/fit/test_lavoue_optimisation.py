@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import subdfit
+from shapes import grids
 from subdfit.errors import InputError
 from subdfit.fit.lavoue_optimisation import distance_metric, optimise, refined_limit_rows
 from subdfit.mesh.control_mesh import ControlMesh
@@ -22,10 +23,8 @@ def patch(scheme, n=6):
     """A wavy square of n x n control points, of quads, of triangles, or of both."""
     x, y = np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
     points = np.stack([x, y, 0.8 * np.sin(x) * np.cos(0.7 * y)], -1).reshape(-1, 3) / n
-    i = np.arange(n * n).reshape(n, n)
-    quads = np.stack([i[:-1, :-1], i[1:, :-1], i[1:, 1:], i[:-1, 1:]], -1).reshape(-1, 4)
-    whole, cut = np.split(quads, [SCHEMES[scheme] * (n - 1)])
-    faces = [*whole, *cut[:, [0, 1, 2]], *cut[:, [0, 2, 3]]]
+    whole, others = np.split(grids.quads_of(grids.vertices(n, n)), [SCHEMES[scheme] * (n - 1)])
+    faces = [*whole, *grids.cut(others)]
     offsets = np.cumsum([0, *map(len, faces)])
     return ControlMesh(Topology.from_faces(offsets, np.concatenate(faces), n * n), points, scheme)
 

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 import trimesh
 
+from shapes import grids
 from shapes.drilled import distance_from_edges, drilled_block
 from shapes.parts import can
+from shapes.zoo import euler
 from subdfit.curves.network import fit_network, sharp_vertices
 from subdfit.errors import InputError
 from subdfit.fit.lavoue_whole import cut_part, whole_start
@@ -13,10 +15,6 @@ from subdfit.limit.surface import LimitSurface
 from subdfit.target.network import Cuts, curve_network
 from subdfit.target.segmentation_cutting import part_cuts, without_handles
 from subdfit.target.target import mesh_target, point_target
-
-
-def euler(topology):
-    return topology.vertex_count - topology.edge_count + topology.face_count
 
 
 @pytest.fixture(scope="module")
@@ -129,9 +127,8 @@ def test_a_crease_that_fades_out_is_led_on():
     """A sheet with a ridge that sinks to nothing on the way: the slit is led to the far side, and parts the sheet."""
     x, y = (v.ravel() for v in np.meshgrid(np.arange(21.0), np.arange(21.0), indexing="ij"))
     points = np.column_stack([x, y, -np.abs(y - 10) * np.maximum(1 - x / 16, 0)])
-    i = np.arange(441).reshape(21, 21)
-    a, b, c, d = (v.ravel() for v in (i[:-1, :-1], i[1:, :-1], i[1:, 1:], i[:-1, 1:]))
-    triangles = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+    i = grids.vertices(21, 21)
+    triangles = grids.triangles_of(i)
     ridge = np.stack([i[:14, 10], i[1:15, 10]], 1)
     cuts = part_cuts(points, triangles, np.zeros(len(triangles), np.int64), ridge)
     network = curve_network(triangles, cuts)

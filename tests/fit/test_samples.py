@@ -5,6 +5,7 @@ import pytest
 import trimesh
 from scipy.spatial import cKDTree
 
+from shapes import grids
 from subdfit.closest.curves import SurfaceCurves
 from subdfit.fit.adapt import refined
 from subdfit.fit.changes import cells_moved_by, changed_cells
@@ -113,9 +114,7 @@ def grid(segments: int) -> tuple[np.ndarray, np.ndarray]:
     """Triangles of a square, from 0 to 1."""
     side = np.linspace(0, 1, segments + 1)
     points = np.column_stack([*(a.ravel() for a in np.meshgrid(side, side)), np.zeros((segments + 1) ** 2)])
-    low = (np.arange(segments)[:, None] * (segments + 1) + np.arange(segments)).ravel()
-    first = np.column_stack([low, low + 1, low + segments + 2])
-    return points, np.concatenate([first, np.column_stack([low, low + segments + 2, low + segments + 1])])
+    return points, grids.triangles_of(grids.vertices(segments + 1, segments + 1).T)
 
 
 def test_a_boundary_with_fewer_data_than_control_points_lies_on_the_targets() -> None:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from shapes import grids
 from subdfit.fit.data import FitData
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.state import FitState
@@ -25,12 +26,7 @@ def grid(across: int, along: int, arc: float, height: float = 2.0) -> tuple[Floa
     """Points on a part of a cylinder of radius one about the y axis, and its triangles."""
     ends = height / 2
     s, t = (a.ravel() for a in np.meshgrid(np.linspace(-arc, arc, across + 1), np.linspace(-ends, ends, along + 1)))
-    i, j = (a.ravel() for a in np.meshgrid(np.arange(across), np.arange(along)))
-    corner = j * (across + 1) + i
-    right, above = corner + 1, corner + across + 1
-    triangles = np.concatenate(
-        [np.column_stack([corner, right, above + 1]), np.column_stack([corner, above + 1, above])]
-    )
+    triangles = grids.triangles_of(grids.vertices(along + 1, across + 1).T)
     return np.column_stack([np.sin(s), t, np.cos(s)]), triangles
 
 
@@ -64,10 +60,10 @@ def test_lines_beside_a_crease_are_those_of_the_same_side(creases: float | str, 
     rim = np.arange(across + 1)
     wall = points[rim] + np.array([0.1, 0.2, 0.3, 0.4])[:, None, None] * [0.0, 0.0, 1.0]
     levels = np.concatenate([rim[None], len(points) + np.arange(4 * (across + 1)).reshape(4, -1)])
-    a, b, c, d = levels[1:, :-1], levels[1:, 1:], levels[:-1, 1:], levels[:-1, :-1]
-    more = [np.stack(corners, axis=-1).reshape(-1, 3) for corners in ((a, b, c), (a, c, d))]
     all_points = np.concatenate([points, wall.reshape(-1, 3)])
-    lines = Alignment.of(target_of(all_points, np.concatenate([triangles, *more]), creases))
+    lines = Alignment.of(
+        target_of(all_points, np.concatenate([triangles, grids.triangles_of(levels[::-1].T)]), creases)
+    )
     near = Frame.of(all_points).inside(points[rim[5:-5] + across + 1])
     axis = np.array([0.0, 0.005, 0.0])
     assert (lines.degrees(near - axis, near + axis).max() < 3) == known

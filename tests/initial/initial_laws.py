@@ -9,6 +9,8 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from shapes import grids
+
 
 @dataclass(frozen=True)
 class Shape:
@@ -160,12 +162,11 @@ def sphere(levels):
 
 def sheet(rows, columns, wrap_rows=False, wrap_columns=False):
     """Triangles of a grid, and the parameters of its vertices in [0, 1)."""
-    i, j = np.meshgrid(np.arange(rows - (not wrap_rows)), np.arange(columns - (not wrap_columns)), indexing="ij")
-    down, right = (i + 1) % rows, (j + 1) % columns
-    a, b, c, d = (x.ravel() * columns + y.ravel() for x, y in ((i, j), (down, j), (down, right), (i, right)))
-    triangles = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+    grid = grids.vertices(rows, columns)
+    grid = grids.wrapped(grid) if wrap_columns else grid
+    grid = grids.wrapped(grid.T).T if wrap_rows else grid
     s, t = np.divmod(np.arange(rows * columns), columns)
-    return triangles, s / rows, t / columns
+    return grids.triangles_of(grid), s / rows, t / columns
 
 
 def torus(rows, columns):

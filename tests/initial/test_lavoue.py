@@ -8,6 +8,8 @@ import trimesh
 from scipy.spatial import Delaunay
 
 import subdfit
+from shapes import grids
+from shapes.zoo import euler
 from subdfit.curves.loops import fit_loop
 from subdfit.curves.polyline import Polyline
 from subdfit.errors import InputError
@@ -65,11 +67,6 @@ def nearest(points, *places):
 def corners_of(mesh):
     offsets = mesh.topology.face_offsets
     return [mesh.topology.face_vertices[a:b] for a, b in pairwise(offsets)]
-
-
-def euler(mesh):
-    t = mesh.topology
-    return t.vertex_count - t.edge_count + t.face_count
 
 
 @pytest.mark.parametrize("paths", ["geodesic", "dijkstra"])
@@ -163,7 +160,7 @@ def test_real_surfaces_keep_their_topology(meshes, name, loops):
     arcs = [np.linspace(0, t.total, 8 if loops < 20 else 4, endpoint=False) for t in targets]
     given = [BoundaryPolygon(t.at(s), np.zeros(len(s), np.bool_), t.at(s)) for t, s in zip(targets, arcs, strict=True)]
     found = boundary_start(points, mesh.faces, given)
-    assert euler(found) == 2 - loops
+    assert euler(found.topology) == 2 - loops
     assert len({tuple(sorted(face)) for face in map(tuple, corners_of(found))}) == found.topology.face_count
     boundary = found.topology.edge_vertices[found.topology.boundary_edges]
     assert len(boundary) == sum(len(p.points) for p in given) == found.topology.vertex_count
@@ -268,7 +265,7 @@ def test_points_of_no_triangle_do_not_count():
 def test_dijkstra_is_there_by_name():
     points, triangles = plate([(2, 1, 0.5)], bend=1.5)
     found = boundary_start(points, triangles, polygons(points, triangles), paths="dijkstra")
-    assert euler(found) == 0
+    assert euler(found.topology) == 0
 
 
 def test_convex_parts_of_a_triangulated_outline():
@@ -310,9 +307,7 @@ def test_no_face_is_a_sliver_along_a_rim(turn, inner):
     """The hollow rim of a winding strip: a chord along it would leave a face on the rim's other side."""
     angle, radius = np.meshgrid(np.linspace(0, turn, 40), np.linspace(inner, 1, 12), indexing="ij")
     points = np.stack([radius * np.cos(angle), radius * np.sin(angle), 0.3 * angle], -1).reshape(-1, 3)
-    i = np.arange(40 * 12).reshape(40, 12)
-    quads = np.stack([i[:-1, :-1], i[:-1, 1:], i[1:, 1:], i[1:, :-1]], -1).reshape(-1, 4)
-    triangles = np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]])
+    triangles = grids.triangles_of(grids.vertices(40, 12).T)
     mesh = boundary_start(points, triangles, polygons(points, triangles, 1e-3))
     for corners in (mesh.points[face] for face in corners_of(mesh)):
         longest = np.linalg.norm(np.roll(corners, 1, axis=0) - corners, axis=1).max()

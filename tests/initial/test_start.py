@@ -4,6 +4,7 @@ import numpy as np
 import trimesh
 
 import subdfit
+from shapes import grids
 from shapes.plates import bent_plate
 from subdfit.initial.start import start_mesh
 from subdfit.limit import LimitSurface
@@ -20,12 +21,11 @@ def ball(segments=12):
     angle, height = 2 * np.pi * np.arange(segments) / segments, np.pi * np.arange(1, segments) / segments
     rings = [[np.sin(h) * np.cos(a), np.sin(h) * np.sin(a), np.cos(h)] for h in height for a in angle]
     points = np.array([*rings, [0, 0, 1], [0, 0, -1]])
-    rows = np.arange(len(rings)).reshape(-1, segments)
+    rows = grids.vertices(segments - 1, segments)
     after = np.roll(rows, -1, axis=1)
-    a, b, c, d = (part.ravel() for part in (rows[:-1], rows[1:], after[1:], after[:-1]))
     top, bottom = np.full(segments, len(rings)), np.full(segments, len(rings) + 1)
     caps = [np.column_stack([top, rows[0], after[0]]), np.column_stack([bottom, after[-1], rows[-1]])]
-    return points, np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d]), *caps])
+    return points, np.concatenate([grids.triangles_of(grids.wrapped(rows)), *caps])
 
 
 def with_a_sheet():

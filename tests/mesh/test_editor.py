@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from shapes.zoo import grid_data
 from subdfit import parallel
 from subdfit.errors import InputError
 from subdfit.mesh.editor import MeshEditor
@@ -21,32 +22,26 @@ def octahedron():
     return points, np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])
 
 
-def grid(rows, columns, close_rows=False, close_columns=False):
-    """Triangles of a rectangular grid of quads cut alike, closed in either direction."""
-    height, width = rows + (not close_rows), columns + (not close_columns)
-    i, j = (x.ravel() for x in np.mgrid[:rows, :columns])
-    a, b = i * width + j, i * width + (j + 1) % width
-    c, d = (i + 1) % height * width + (j + 1) % width, (i + 1) % height * width + j
-    return height, width, np.vstack([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+def grid(rows, columns, **closed):
+    """Coordinates of a plane grid's vertices, and its triangles."""
+    points, triangles = grid_data(rows, columns, **closed)
+    return points.T, triangles
 
 
 def torus(rows=7, columns=9):
-    _, _, triangles = grid(rows, columns, True, True)
-    s, t = (x.ravel() for x in np.mgrid[:rows, :columns])
+    (t, s, _), triangles = grid(rows, columns, close_rows=True, close_columns=True)
     s, t = 2 * np.pi * s / rows, 2 * np.pi * t / columns
     radius = 3 + np.cos(s)
     return np.stack([radius * np.cos(t), radius * np.sin(t), np.sin(s)], 1), triangles[:, ::-1].copy()
 
 
 def disc(size=6):
-    height, width, triangles = grid(size, size)
-    y, x = (v.ravel() for v in np.mgrid[:height, :width].astype(float))
+    (x, y, _), triangles = grid(size, size)
     return np.stack([x, y, 0.02 * (x - 3) * (y - 2)], 1), triangles
 
 
 def annulus(rows=3, columns=12):
-    height, width, triangles = grid(rows, columns, close_columns=True)
-    r, t = (v.ravel() for v in np.mgrid[:height, :width].astype(float))
+    (t, r, _), triangles = grid(rows, columns, close_columns=True)
     t *= 2 * np.pi / columns
     return np.stack([(2 + r) * np.cos(t), (2 + r) * np.sin(t), 0 * r], 1), triangles[:, ::-1].copy()
 

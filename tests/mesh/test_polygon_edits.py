@@ -6,7 +6,7 @@ import pytest
 from shapes.curved import CURVED
 from shapes.mixed import MIXED
 from shapes.polygons import POLYGONS
-from shapes.zoo import ZOO, mesh_of
+from shapes.zoo import ZOO, euler, mesh_of
 from subdfit.mesh.control_mesh import ControlMesh
 from subdfit.mesh.polygon_edits import PolygonEdits
 
@@ -19,8 +19,7 @@ def character(mesh: ControlMesh) -> tuple[int, int, list[int], int]:
     rim = t.edge_vertices[t.boundary_edges]
     sharp = np.bincount(t.edge_vertices[t.sharpness > 0].ravel(), minlength=t.vertex_count)
     ends = sorted(sharp[(sharp > 0) & (sharp != 2)].tolist())
-    euler = t.vertex_count - t.edge_count + t.face_count
-    return euler, len(rim) - len(np.unique(rim)), ends, int(np.sum(t.corner_sharpness > 0))
+    return euler(t), len(rim) - len(np.unique(rim)), ends, int(np.sum(t.corner_sharpness > 0))
 
 
 def rings(edits: PolygonEdits) -> list[tuple[int, ...]]:

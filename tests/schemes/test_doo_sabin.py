@@ -6,7 +6,7 @@ from scipy.interpolate import BSpline
 
 from shapes.curved import CURVED
 from shapes.parameters import anywhere, face_corners, inside, size, surface_of
-from shapes.polygons import prism
+from shapes.polygons import prism, quad_grid_data
 from shapes.zoo import circle, fan_faces, grid_data, mesh_of, scattered
 from subdfit.errors import InputError
 from subdfit.limit import LimitSurface
@@ -75,9 +75,8 @@ def knots(faces):
 
 def grid(height, width, points):
     """Quads over (height + 1) x (width + 1) points."""
-    row = np.arange((height + 1) * (width + 1)).reshape(height + 1, width + 1)
-    faces = np.stack([row[:-1, :-1], row[:-1, 1:], row[1:, 1:], row[1:, :-1]], axis=2).reshape(-1, 4)
-    topology = Topology.from_faces(np.arange(0, 4 * len(faces) + 1, 4), faces.ravel(), row.size)
+    _, faces = quad_grid_data(height, width)
+    topology = Topology.from_faces(np.arange(0, 4 * len(faces) + 1, 4), np.ravel(faces), len(points))
     return LimitSurface(ControlMesh(topology, points), "doo-sabin")
 
 

@@ -27,5 +27,10 @@ def decimated(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> Mesh
 
 def noisy(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> Mesh:
     """Normal noise of .1 % of the diagonal."""
-    sigma = 1e-3 * np.linalg.norm(np.ptp(points, axis=0)) / np.sqrt(3)
-    return points + sigma * np.random.default_rng(0).normal(size=points.shape), triangles
+    return shaken(points, 1e-3 / np.sqrt(3))[0], triangles
+
+
+def shaken(points: NDArray[np.float64], share: float) -> tuple[NDArray[np.float64], float]:
+    """Points with normal noise in all directions, and its standard deviation, given as a share of the diagonal."""
+    sigma = share * float(np.linalg.norm(np.ptp(points, axis=0)))
+    return points + sigma * np.random.default_rng(0).normal(size=points.shape), sigma

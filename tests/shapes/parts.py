@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from shapes import grids
+
 
 def can(
     sections: int = 40, rows: int = 20, radius: float = 1.0, height: float = 3.0
@@ -13,14 +15,12 @@ def can(
     r = np.concatenate([np.arange(1, rings + 1) / rings, np.ones(rows - 1), np.arange(rings, 0, -1) / rings]) * radius
     angle = 2 * np.pi * np.arange(sections) / sections
     wall = np.stack([np.outer(r, np.cos(angle)), np.outer(r, np.sin(angle)), np.outer(z, np.ones(sections))], -1)
-    i = np.arange(wall.shape[0] * sections).reshape(wall.shape[:2])
-    a, b, c, d = i[:-1], np.roll(i[:-1], -1, 1), np.roll(i[1:], -1, 1), i[1:]
-    quads = np.stack([a, b, c, d], -1).reshape(-1, 4)
+    i = grids.vertices(*wall.shape[:2])
     low, high = i.size, i.size + 1
     fans = [np.stack([np.roll(i[0], -1), i[0], np.full(sections, low)], 1)]
     fans.append(np.stack([i[-1], np.roll(i[-1], -1), np.full(sections, high)], 1))
     points = np.concatenate([wall.reshape(-1, 3), [[0, 0, -height / 2], [0, 0, height / 2]]])
-    return points, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]], *fans])
+    return points, np.concatenate([grids.triangles_of(grids.wrapped(i).T), *fans])
 
 
 def shaft(sections: int = 48, step: float = 0.12) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
@@ -32,10 +32,8 @@ def shaft(sections: int = 48, step: float = 0.12) -> tuple[NDArray[np.float64], 
     r, z = np.append(r, 0.0)[1:-1], np.append(z, 1.4)[1:-1]
     angle = 2 * np.pi * np.arange(sections) / sections
     rings = np.stack([np.outer(r, np.cos(angle)), np.outer(r, np.sin(angle)), np.outer(z, np.ones(sections))], -1)
-    i = np.arange(rings.shape[0] * sections).reshape(rings.shape[:2])
-    a, b, c, d = i[:-1], np.roll(i[:-1], -1, 1), np.roll(i[1:], -1, 1), i[1:]
-    quads = np.stack([a, b, c, d], -1).reshape(-1, 4)
+    i = grids.vertices(*rings.shape[:2])
     fans = [np.stack([np.roll(i[0], -1), i[0], np.full(sections, i.size)], 1)]
     fans.append(np.stack([i[-1], np.roll(i[-1], -1), np.full(sections, i.size + 1)], 1))
     points = np.concatenate([rings.reshape(-1, 3), [[0, 0, -1], [0, 0, 1.4]]])
-    return points, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]], *fans])
+    return points, np.concatenate([grids.triangles_of(grids.wrapped(i).T), *fans])

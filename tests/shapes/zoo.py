@@ -10,6 +10,7 @@ from functools import cache, partial
 
 import numpy as np
 
+from shapes import grids
 from subdfit.mesh.control_mesh import ControlMesh
 
 Shape = Callable[[], ControlMesh]
@@ -83,13 +84,19 @@ def pyramid_data(n):
     return points, np.array(fan_faces(n) + [[1, i + 1, i] for i in range(2, n)])
 
 
+def euler(topology):
+    """Euler's number."""
+    return topology.vertex_count - topology.edge_count + topology.face_count
+
+
 def grid_data(rows, columns, close_rows=False, close_columns=False):
+    """Points of a plane grid of quads that are cut alike, and triangles, which may close in either direction."""
     height, width = rows + (not close_rows), columns + (not close_columns)
-    i, j = (x.ravel() for x in np.mgrid[:rows, :columns])
-    a, b = i * width + j, i * width + (j + 1) % width
-    c, d = (i + 1) % height * width + (j + 1) % width, (i + 1) % height * width + j
     y, x = (v.ravel().astype(float) for v in np.mgrid[:height, :width])
-    return np.stack([x, y, 0 * x], 1), np.vstack([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+    grid = grids.vertices(height, width)
+    grid = grids.wrapped(grid) if close_columns else grid
+    grid = grids.wrapped(grid.T).T if close_rows else grid
+    return np.stack([x, y, 0 * x], 1), grids.triangles_of(grid.T)
 
 
 def shape(data, name, **tags):

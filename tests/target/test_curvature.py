@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from shapes import slivers
+from shapes import grids, slivers
 from subdfit.errors import InputError
 from subdfit.target.curvature import ball_curvature, curvature_field, principal_curvature, signed_angles
 from subdfit.target.features import mesh_edges
@@ -94,9 +94,7 @@ def test_ball_across_a_fold_has_its_closed_form(distance):
     x = np.where(np.abs(x) < 1.9, x + 0.1 * np.sin(7 * y) * (np.abs(x) > 0.01), x)
     over = np.maximum(x, 0)
     points = np.stack([x - over + over * np.cos(angle), y, -over * np.sin(angle)], -1).reshape(-1, 3)
-    i = np.arange(81).reshape(9, 9)
-    quads = np.stack([i[:-1, :-1], i[1:, :-1], i[1:, 1:], i[:-1, 1:]], -1).reshape(-1, 4)
-    triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]).astype(np.int32)
+    triangles = grids.triangles_of(grids.vertices(9, 9)).astype(np.int32)
     centre = np.array([[-distance, 0.123, 0.0]])
     inside = np.argmin(np.linalg.norm(points[triangles].mean(axis=1) - centre, axis=1))
     edges = mesh_edges(points, triangles)
