@@ -99,21 +99,7 @@ def optimise(
         The target is a point cloud, the curvature another mesh's, one of mesh and target open and the other closed, the
         metric unknown, rounds below 0, or `fixed` not one flag a control point.
     """
-    if not target.is_mesh:
-        raise InputError("samples are projected to a target's faces, and it has none; use another method for points")
-    field.require_mesh(target.points, target.triangles)
-    kinds = ["open" if there.any() else "closed" for there in (mesh.topology.boundary_edges, target.boundary_edges)]
-    if kinds[0] != kinds[1]:
-        raise InputError(f"the control mesh is {kinds[0]} and the target {kinds[1]}; give both open or both closed")
-    if metric not in ("squared-distance", "point"):
-        raise InputError(f"metric is '{metric}'; give squared-distance or point")
-    if rounds < 0:
-        raise InputError(f"rounds is {rounds}; give 0 or more")
-    if fixed is not None and (np.shape(fixed) != (len(mesh.points),) or np.asarray(fixed).dtype != np.bool_):
-        raise InputError(
-            f"fixed is {np.asarray(fixed).dtype} of the shape {np.shape(fixed)} for {len(mesh.points)} control points; "
-            "give one bool each"
-        )
+    _require(mesh, target, field, rounds, metric, fixed)
     C = refined_limit_rows(mesh.topology, scheme_named(mesh.scheme or "loop"), levels)
     free = np.ones(len(mesh.points), np.bool_) if fixed is None else ~fixed
     points = best = mesh.points
@@ -141,6 +127,32 @@ def optimise(
             M = np.concatenate([M, pull.forms * (len(samples) / len(pull.data))])
         points = _least(rows, M, foot, points, free)
     return Optimised(mesh.with_points(best), *np.array(errors).T)
+
+
+def _require(
+    mesh: ControlMesh,
+    target: Target,
+    field: CurvatureField,
+    rounds: int,
+    metric: str,
+    fixed: NDArray[np.bool_] | None,
+) -> None:
+    """Raise InputError for what `optimise` cannot take."""
+    if not target.is_mesh:
+        raise InputError("samples are projected to a target's faces, and it has none; use another method for points")
+    field.require_mesh(target.points, target.triangles)
+    kinds = ["open" if there.any() else "closed" for there in (mesh.topology.boundary_edges, target.boundary_edges)]
+    if kinds[0] != kinds[1]:
+        raise InputError(f"the control mesh is {kinds[0]} and the target {kinds[1]}; give both open or both closed")
+    if metric not in ("squared-distance", "point"):
+        raise InputError(f"metric is '{metric}'; give squared-distance or point")
+    if rounds < 0:
+        raise InputError(f"rounds is {rounds}; give 0 or more")
+    if fixed is not None and (np.shape(fixed) != (len(mesh.points),) or np.asarray(fixed).dtype != np.bool_):
+        raise InputError(
+            f"fixed is {np.asarray(fixed).dtype} of the shape {np.shape(fixed)} for {len(mesh.points)} control points; "
+            "give one bool each"
+        )
 
 
 def distance_metric(
