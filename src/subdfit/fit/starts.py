@@ -12,7 +12,7 @@ from subdfit.fit.lavoue import lavoue_start
 from subdfit.fit.settings import FitSettings
 from subdfit.fit.sheets import MIXED, mixed, mixed_sheets
 from subdfit.fit.state import FitState
-from subdfit.fit.stop import error_that_matters
+from subdfit.fit.stop import error_between_data
 from subdfit.initial.start import DOUBLING, LARGEST_SHARE, REFININGS, start_mesh
 from subdfit.initial.wide_corners import part_wide_corners
 from subdfit.limit.surface import LimitSurface
@@ -150,7 +150,7 @@ def _decimated(
     target: Target, settings: FitSettings, count: int | None, weights: NDArray[np.float64] | None = None
 ) -> tuple[Target, ControlMesh]:
     """The target, and its own mesh with fewer vertices; see `start_mesh` for the count and the weights."""
-    scale = settings.tolerance.max or error_that_matters(settings.tolerance)
+    scale = error_between_data(settings.tolerance)
     budget, faces = settings.max_control_vertices, scheme_named(settings.scheme).faces
     return _parted_corners(target, start_mesh(target, count, scale, budget, faces, weights))
 
