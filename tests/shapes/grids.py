@@ -23,7 +23,7 @@ def triangles_of(grid: Rows) -> Rows:
 
 def cut(quads: Rows) -> Rows:
     """Triangles (2 q, 3): quads (q, 4) cut from their first corner to their third."""
-    return np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    return np.ascontiguousarray(np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]))
 
 
 def wrapped(grid: Rows) -> Rows:
