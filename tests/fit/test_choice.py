@@ -108,7 +108,7 @@ def test_where_they_are_more_than_the_budget_its_mesh_is_decimated(drilled):
 def idle(monkeypatch):
     """The method lavoue does not get beyond its start, which is coarse; a tolerance that it misses."""
     monkeypatch.setattr(Lavoue, "advance", lambda self, state: state)
-    monkeypatch.setitem(CURVES, "max", 10.0)
+    monkeypatch.setitem(CURVES, "max", 5.0)
     return 5e-4
 
 
