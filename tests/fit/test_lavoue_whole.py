@@ -101,6 +101,15 @@ def test_a_can_is_six_faces():
     np.testing.assert_array_equal(np.diff(mesh.topology.face_offsets), [4] * 6)
 
 
+def test_three_control_points_a_rim_where_these_do():
+    points, triangles = can()
+    target = mesh_target(points, triangles)
+    mesh = whole_start(cut_part(target), 2e-2 * target.diagonal)
+    assert mesh.topology.vertex_count == 6
+    assert euler(mesh.topology) == 2
+    assert not mesh.topology.boundary_edges.any()
+
+
 @pytest.mark.parametrize(
     ("shape", "number"),
     [(trimesh.creation.icosphere(3), 2), (trimesh.creation.torus(1.0, 0.4, 48, 24), 0)],
