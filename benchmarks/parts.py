@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from tests.shapes import grids, slivers
 from tests.shapes.bad_meshes import decimated, noisy, with_slivers
+from tests.shapes.chains import outline
 from tests.shapes.paper_patches import boss, cushion, tube
 
 import subdfit
@@ -71,21 +72,25 @@ def _aspect(corners: np.ndarray) -> float:
 
 
 def curves() -> str:
-    """Control points of boundary loops at .5 % of the diagonal, beside greedy knot removal where there is no corner."""
-    rows = []
+    """Control points of closed curves at .5 % of the diagonal, beside greedy knot removal where there is no corner."""
+    shape = outline()
+    loops = [("as in Figure 3", shape, float(np.linalg.norm(np.ptp(shape.points, axis=0))))]
     for name in ("cylinder", "holes", "mech-holes-shark", "blade"):
         data = subdfit.read(MODELS / f"{name}.ply")
         diagonal = float(np.linalg.norm(np.ptp(data.points, axis=0)))
         for loop in boundary_loops(data.face_vertices.reshape(-1, 3)):
-            target, clock = Polyline(data.points[loop.vertices], closed=True), time.process_time()
-            found = fit_loop(target, 5e-3 * diagonal)
-            clock = time.process_time() - clock
-            removal = "-"
-            if not found.corners.any():
-                left = knots_removed(target, 5e-3 * diagonal, begin=len(found.points) + 5)
-                removal = str(len(left.curve.points))
-            counts = [str(len(target.points)), str(found.corners.sum()), str(len(found.points)), removal]
-            rows.append([name, *counts, f"{100 * found.error / diagonal:.3f}", f"{clock:.2f}"])
+            loops.append((name, Polyline(data.points[loop.vertices], closed=True), diagonal))
+    rows = []
+    for name, target, diagonal in loops:
+        clock = time.process_time()
+        found = fit_loop(target, 5e-3 * diagonal)
+        clock = time.process_time() - clock
+        removal = "-"
+        if not found.corners.any():
+            left = knots_removed(target, 5e-3 * diagonal, begin=len(found.points) + 5)
+            removal = str(len(left.curve.points))
+        counts = [str(len(target.points)), str(found.corners.sum()), str(len(found.points)), removal]
+        rows.append([name, *counts, f"{100 * found.error / diagonal:.3f}", f"{clock:.2f}"])
     head = ["mesh", "loop's points", "sharp", "control points", "by knot removal", "largest error %", "CPU s"]
     return table(head, rows)
 

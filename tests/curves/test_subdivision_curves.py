@@ -5,6 +5,7 @@ import pytest
 import trimesh
 
 import subdfit
+from shapes.chains import circle, clothoid, damped_wave, ellipse, outline
 from subdfit.curves.fitting import fit_curve, fit_with, knots_removed, minimise, placed_by_curvature, two_sided_error
 from subdfit.curves.geometric import displacements, fit_geometric, inserted
 from subdfit.curves.loops import fit_loop
@@ -16,34 +17,6 @@ from subdfit.target.curves import boundary_loops
 
 RANDOM = np.random.default_rng(4)
 CURVES = [SubdivisionCurve(RANDOM.normal(size=(n, 3)), closed) for n in (3, 4, 7) for closed in (False, True)]
-
-
-def circle(count, radius=1.0):
-    angle = 2 * np.pi * np.arange(count) / count
-    return Polyline(radius * np.stack([np.cos(angle), np.sin(angle), 0 * angle], 1), closed=True)
-
-
-def ellipse(count=100):
-    angle = 2 * np.pi * np.arange(count) / count
-    return Polyline(np.stack([3 * np.cos(angle), np.sin(angle), 0.3 * np.sin(2 * angle)], 1), closed=True)
-
-
-def damped_wave(count=100):
-    s = np.linspace(0, 6, count)
-    return Polyline(np.stack([s, np.sin(s) * np.exp(-s / 3), 0 * s], 1))
-
-
-def outline(step=0.05):
-    """As in the paper's Figure 3: straight sides, a round end and a round notch, with six sharp points."""
-    half = np.linspace(0, np.pi, int(np.pi / step) + 1)[:-1]
-    sides = [[(0, 0), (2, 0)], [(3, 0), (5, 0)], [(5, 2), (2, 2)], [(2, 2), (2, 3)], [(2, 3), (0, 3)], [(0, 3), (0, 0)]]
-    lines = [
-        a + (b - a) * np.linspace(0, 1, int(np.linalg.norm(b - a) / step) + 1)[:-1, None] for a, b in np.array(sides)
-    ]
-    notch = np.stack([2.5 - 0.5 * np.cos(half), 0.5 * np.sin(half)], 1)
-    end = np.stack([5 + np.sin(half), 1 - np.cos(half)], 1)
-    xy = np.concatenate([lines[0], notch, lines[1], end, *lines[2:]])
-    return Polyline(np.column_stack([xy, np.zeros(len(xy))]), closed=True)
 
 
 @pytest.mark.parametrize("curve", CURVES, ids=lambda c: f"{len(c.points)}{'closed' if c.closed else 'open'}")
@@ -141,12 +114,6 @@ def test_error_falls_by_the_order_of_cubic_splines(target):
     """By 2^3 at the least as control points double (fourth order in the limit)."""
     few, many = fit_with(target, 6 + target.closed), fit_with(target, 12 + target.closed)
     assert many.error < few.error / 8 + 5e-4 * target.total / 4
-
-
-def clothoid(count=100):
-    """Curvature grows with the arc length, from nothing to five."""
-    angle = np.linspace(0, 5, count) ** 2 / 2
-    return Polyline(np.cumsum(np.stack([np.cos(angle), np.sin(angle), 0 * angle], 1), axis=0) * 5 / count)
 
 
 @pytest.mark.parametrize(
