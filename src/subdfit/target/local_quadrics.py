@@ -1,4 +1,7 @@
-"""Quadrics fitted to a surface near places on it: where it lies, and how it bends, though its points are noisy."""
+"""Quadrics fitted to a surface near places on it: where it lies, and how it bends, though its points are noisy.
+
+Least squares are repeated with the weights of Geman and McClure 1987, by which points far off count less and less.
+"""
 
 from dataclasses import dataclass
 
